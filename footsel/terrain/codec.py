@@ -1,0 +1,26 @@
+"""Metres to network image and back (DESIGN: value = clip((z_Li - z_cell) / range, 0, 1))."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+#: The paper's normalisation constant for ANYmal, section III-C; other robots scale it with their reach. [m]
+HEIGHT_RANGE = 0.85
+
+
+def heights_to_image(heights: ArrayLike, height_range: float = HEIGHT_RANGE) -> NDArray[np.float32]:
+    """Depth below the hip point as a share of the range: 0 at or above L_i, 1 at the range and below, 1 for unknown.
+
+    heights: (..., n, n) terrain height relative to L_i, NaN = unknown, in [m].
+    """
+    depth = -np.asarray(heights, dtype=np.float32) / np.float32(height_range)
+    return np.clip(np.where(np.isnan(depth), np.float32(1), depth), 0, 1).astype(np.float32)
+
+
+def quantise_image(image: ArrayLike) -> NDArray[np.uint8]:
+    """The paper's 8-bit grey image: value * 255, rounded."""
+    return np.rint(np.asarray(image, dtype=np.float32) * np.float32(255)).astype(np.uint8)
+
+
+def image_to_heights(image: ArrayLike, height_range: float = HEIGHT_RANGE) -> NDArray[np.float32]:
+    """Heights relative to L_i that an image in [0, 1] stands for; what was clipped or unknown is lost, in [m]."""
+    return -np.asarray(image, dtype=np.float32) * np.float32(height_range)
