@@ -1,11 +1,12 @@
 """The fifth constraint: how risky the terrain around a cell is, c_m in [0, 1].
 
-Belter and Skrzypczynski (2011) judge a foothold by two features of its 3x3 neighbourhood, K1 = sum(h0 - h), signed (ridge > 0,
-pit < 0), and K2 = sum|h0 - h|. Here both are divided by six cell sides, so that they are slopes: a plane of slope t along an axis
-has K2 = t and K1 = 0 at any cell size. The cost is one minus a Gaussian over (K1, K2) with its peak at flat ground.
+Belter and Skrzypczynski (2011) judge a foothold by two features of its 3x3 neighbourhood: K1 = sum(h0 - h), signed
+(ridge > 0, pit < 0), and K2 = sum|h0 - h|. Here both are divided by six cell sides, so that they are slopes: a plane of
+slope t along an axis has K2 = t and K1 = 0 at any cell size. The cost is one minus a Gaussian over (K1, K2) with its
+peak at flat ground.
 
-This is the first version, with widths chosen by hand so that cost never falls with slope, the upper edge of a step costs more than
-its foot, and a 3 cm edge costs more than 0.5. It is to be replaced by one that is fitted to simulated slippage.
+This is the first version, with widths chosen by hand so that the cost never falls with slope, the upper edge of a step
+costs more than its foot, and a 3 cm edge costs more than 0.5. It is to be replaced by one fitted to simulated slippage.
 """
 
 import numba
@@ -28,7 +29,9 @@ def terrain_costs(heights: NDArray[np.floating], resolution: float) -> NDArray[n
 
 
 @numba.njit(cache=True)
-def _terrain_costs(heights: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:  # pragma: no cover - compiled
+def _terrain_costs(
+    heights: NDArray[np.float64], resolution: float
+) -> NDArray[np.float64]:  # pragma: no cover - compiled
     rows, columns = heights.shape
     costs = np.full((rows, columns), np.nan)
     for i in range(rows):

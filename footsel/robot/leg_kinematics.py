@@ -22,7 +22,7 @@ class LegKinematics:
     """One leg in the base frame.
 
     basis: (3, 3) rows u, v, w in the base frame.
-    haa: (3,) a point of the HAA axis, in [m].
+    haa, hfe, kfe: (3,) a point of each joint's axis at zero angles, in [m].
     hip: (3,) the hip point L_i: where the HFE axis crosses the leg plane at zero abduction, in [m].
     hfe_offset: (2,) HFE axis relative to the HAA axis along u and w, in [m].
     plane_offset: d, of the foot's centre along v from the HAA axis, in [m].
@@ -35,6 +35,8 @@ class LegKinematics:
 
     basis: NDArray[np.float64]
     haa: NDArray[np.float64]
+    hfe: NDArray[np.float64]
+    kfe: NDArray[np.float64]
     hip: NDArray[np.float64]
     hfe_offset: NDArray[np.float64]
     plane_offset: float
@@ -77,6 +79,8 @@ class LegKinematics:
         return cls(
             basis=basis,
             haa=haa,
+            hfe=hfe,
+            kfe=knee,
             hip=haa + basis.T @ np.array([hfe_in[0], foot_in[1], hfe_in[2]]),
             hfe_offset=hfe_in[[0, 2]],
             plane_offset=float(foot_in[1]),
@@ -89,7 +93,7 @@ class LegKinematics:
         )
 
     def packed(self) -> NDArray[np.float64]:
-        """The flat parameters that `solve` takes, positions relative to the hip point."""
+        """The flat parameters that `solve` and `link_frames` take, positions relative to the hip point."""
         return np.concatenate(
             [
                 self.basis.ravel(),
@@ -100,6 +104,8 @@ class LegKinematics:
                 self.shank,
                 [self.knee_sign, self.knee_branch, self.below],
                 self.limits.ravel(),
+                self.hfe - self.haa,
+                self.kfe - self.hfe,
             ]
         )
 
@@ -186,3 +192,50 @@ def solve_many(
         reachable[row], angles[row, 0], angles[row, 1], angles[row, 2] = solve(
             leg, targets[row, 0], targets[row, 1], targets[row, 2]
         )
+
+
+@numba.njit(cache=True)
+def link_frames(
+    leg: NDArray[np.float64],
+    haa: float,
+    hfe: float,
+    kfe: float,
+    rotations: NDArray[np.float64],
+    origins: NDArray[np.float64],
+) -> None:  # pragma: no cover - compiled
+    """How thigh and shank have moved from the zero configuration.
+
+    rotations: (2, 3, 3) out, rotation of thigh and shank from zero angles, in base axes.
+    origins: (2, 3) out, HFE and KFE points relative to the hip point, in [m].
+    """
+    abduction, thigh_turn, shank_turn = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    _axis_rotation(leg[0:3], haa, abduction)
+    _axis_rotation(leg[3:6], hfe, thigh_turn)
+    _axis_rotation(leg[3:6], hfe + leg[19] * kfe, shank_turn)
+    for i in range(3):
+        for j in range(3):
+            thigh, shank = 0.0, 0.0
+            for k in range(3):
+                thigh += abduction[i, k] * thigh_turn[k, j]
+                shank += abduction[i, k] * shank_turn[k, j]
+            rotations[0, i, j], rotations[1, i, j] = thigh, shank
+    for i in range(3):
+        origin = leg[9 + i]
+        for k in range(3):
+            origin += abduction[i, k] * leg[28 + k]
+        origins[0, i] = origin
+        for k in range(3):
+            origin += rotations[0, i, k] * leg[31 + k]
+        origins[1, i] = origin
+
+
+@numba.njit(cache=True)
+def _axis_rotation(
+    axis: NDArray[np.float64], angle: float, out: NDArray[np.float64]
+) -> None:  # pragma: no cover - compiled
+    """Rodrigues' formula."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y, z = axis[0], axis[1], axis[2]
+    out[0, 0], out[0, 1], out[0, 2] = c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s
+    out[1, 0], out[1, 1], out[1, 2] = y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s
+    out[2, 0], out[2, 1], out[2, 2] = z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)
