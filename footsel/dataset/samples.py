@@ -47,7 +47,7 @@ class Samples:
         """(n, 40, 40) terrain height relative to L_i, NaN = unknown, in [m]."""
         return decode_heights(self.heights_tenth_mm)
 
-    def take(self, index: ArrayLike) -> "Samples":
+    def take(self, index: ArrayLike | slice) -> "Samples":
         """The samples at `index` (slice, mask or integers)."""
         return Samples(**{field.name: getattr(self, field.name)[index] for field in fields(self)})
 

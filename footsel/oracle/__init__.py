@@ -1,4 +1,4 @@
-"""The exact oracle: five constraints, one file each, the labeler that runs them in sequence, and its brute-force reference."""
+"""The exact oracle: five constraints, a file each, the labeler that runs them in sequence, a brute-force reference."""
 
 from footsel.errors import MissingExtraError
 

@@ -33,7 +33,7 @@ class MarginField:
     def build(cls, robot: Robot, leg: str, table: SelfCollisionTable) -> "MarginField":
         """Classify every voxel of the workspace's bounding box, then transform distances."""
         kinematics = robot.kinematics[leg]
-        angles = np.stack(np.meshgrid(*[np.linspace(*limit, 25) for limit in kinematics.limits]), axis=-1)
+        angles = np.stack(np.meshgrid(*[np.linspace(low, high, 25) for low, high in kinematics.limits]), axis=-1)
         feet = kinematics.forward(angles).reshape(-1, 3)
         # Joint limits are sampled, so the box is a little small: two centimetres make up for it.
         low, high = feet.min(axis=0) - 0.02, feet.max(axis=0) + 0.02
@@ -50,10 +50,11 @@ class MarginField:
                 clear[row] = not exact.collides(solved[reachable][row])
             free[reachable] = clear
             inside[i] = free.reshape(inside.shape[1:])
-        # Distances to the nearest voxel centre on the other side; the border lies half a voxel before it.
+        # Distances to the nearest voxel centre on the other side. Before it, the border lies half a voxel if it runs
+        # along the grid, and hardly at all if it is oblique: a quarter keeps the mean error near zero.
         within = ndimage.distance_transform_edt(inside, sampling=VOXEL)
         without = ndimage.distance_transform_edt(~inside, sampling=VOXEL)
-        distance = np.where(inside, within - VOXEL / 2, VOXEL / 2 - without)
+        distance = np.where(inside, within - VOXEL / 4, VOXEL / 4 - without)
         return cls(distance.astype(np.float32), low)
 
     def look_up(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -40,32 +40,29 @@ class Label:
     @property
     def feasible(self) -> NDArray[np.bool_]:
         """(n, n) which cells are footholds."""
-        return self.reason == Reason.FEASIBLE
+        return np.asarray(self.reason == Reason.FEASIBLE)
 
     @property
     def cost_image(self) -> NDArray[np.uint8]:
         """(n, n) cost rounded to 8 bits, as it is stored; 255 stays for infeasible cells alone."""
         return np.rint(self.cost).astype(np.uint8)
 
-    def mirrored(self) -> "Label":
-        """The label of the other side's leg: the y axis reversed, abduction with its sign turned."""
-        return Label(
-            self.cost[:, ::-1],
-            self.reason[:, ::-1],
-            self.kinematic_margin[:, ::-1],
-            self.terrain_cost[:, ::-1],
-            self.joint_angles[:, ::-1] * np.array([-1.0, 1.0, 1.0]),
-        )
-
 
 class LegOracle:
-    """The oracle of one leg, with its own tables."""
+    """The oracle of one leg.
+
+    Of a symmetric robot, a right leg looks its angles and foot positions up in the mirrored tables of the left one. All
+    else is its own, terrain above all: a mirrored height field would split its quads along the other diagonal.
+    """
 
     def __init__(self, robot: Robot, leg: str) -> None:
         self._robot = robot
         self._leg = leg
         self._kinematics = robot.kinematics[leg]
-        self._tables = load_tables(robot, leg)
+        self._tables = load_tables(robot, robot.table_leg(leg))
+        mirrored = robot.table_leg(leg) != leg
+        self._angle_signs = np.array([-1.0, 1.0, 1.0]) if mirrored else np.ones(3)
+        self._position_signs = np.array([1.0, -1.0, 1.0]) if mirrored else np.ones(3)
         self._exact_self_collision = ExactSelfCollision(robot, leg)
         self._terrain_collision = TerrainCollision(SwingBodies.of(robot, leg, robot.bodies[leg].trimmed))
         self._margin_max = robot.margin_max(leg)
@@ -73,17 +70,17 @@ class LegOracle:
 
     def label(self, heights: NDArray[np.floating], resolution: float, roll: float, pitch: float) -> Label:
         """Label a local map of heights (n, n) relative to the hip point, NaN = unknown, in [m]."""
-        heights = np.asarray(heights, dtype=np.float64)
-        cells = len(heights)
-        known = ~np.isnan(heights)
+        exact: NDArray[np.float64] = np.asarray(heights, dtype=np.float64)
+        cells = len(exact)
+        known = ~np.isnan(exact)
         reason = np.where(known, Reason.KINEMATIC_RANGE, Reason.UNKNOWN).astype(np.uint8)
-        cost = np.full(heights.shape, float(INFEASIBLE_COST))
-        margin = np.full(heights.shape, np.nan)
-        joint_angles = np.full((*heights.shape, 3), np.nan)
-        terrain_cost = terrain_costs(heights, resolution)
+        cost = np.full(exact.shape, float(INFEASIBLE_COST))
+        margin = np.full(exact.shape, np.nan)
+        joint_angles = np.full((*exact.shape, 3), np.nan)
+        terrain_cost = terrain_costs(exact, resolution)
 
         candidates = np.argwhere(known)
-        contacts = np.column_stack([cell_offsets(cells, resolution)[known], heights[known]])
+        contacts = np.column_stack([cell_offsets(cells, resolution)[known], exact[known]])
         tilt = tilt_rotation(roll, pitch)
         # A row vector times the rotation from base to heading frame is that vector in the base frame.
         feet = (contacts + self._foot) @ tilt
@@ -96,19 +93,19 @@ class LegOracle:
         candidates, feet, angles = candidates[~touches], feet[~touches], angles[~touches]
 
         if len(candidates):
-            touches = self._terrain_collision.check(Terrain(heights, resolution), tilt, angles)
+            touches = self._terrain_collision.check(Terrain(exact, resolution), tilt, angles)
             reason[tuple(candidates[touches].T)] = Reason.TERRAIN_COLLISION
             candidates, feet = candidates[~touches], feet[~touches]
 
         where = tuple(candidates.T)
         reason[where] = Reason.FEASIBLE
-        margin[where] = self._tables.margin.look_up(feet)
+        margin[where] = self._tables.margin.look_up(feet * self._position_signs)
         margin_cost = 1 - np.minimum(margin[where], self._margin_max) / self._margin_max
         cost[where] = foothold_cost(margin_cost, terrain_cost[where])
         return Label(cost, reason, margin, terrain_cost, joint_angles)
 
     def _self_collides(self, angles: NDArray[np.float64]) -> NDArray[np.bool_]:
-        answers = self._tables.self_collision.look_up(angles)
+        answers = self._tables.self_collision.look_up(angles * self._angle_signs)
         collides = np.asarray(answers == COLLIDES)
         for row in np.flatnonzero(answers == UNDECIDED):
             collides[row] = self._exact_self_collision.collides(angles[row])
@@ -129,13 +126,9 @@ class Oracle:
 
     def label(self, local_map: LocalMap, leg: str, roll: float = 0.0, pitch: float = 0.0) -> Label:
         """Label every cell of a leg's local map. Roll and pitch of the base in [rad]."""
-        evaluated = self.robot.evaluated_leg(check_leg(leg))
-        if evaluated not in self._legs:
-            self._legs[evaluated] = LegOracle(self.robot, evaluated)
-        oracle = self._legs[evaluated]
-        if evaluated == leg:
-            return oracle.label(local_map.heights, local_map.resolution, roll, pitch)
-        return oracle.label(local_map.heights[:, ::-1], local_map.resolution, -roll, pitch).mirrored()
+        if check_leg(leg) not in self._legs:
+            self._legs[leg] = LegOracle(self.robot, leg)
+        return self._legs[leg].label(local_map.heights, local_map.resolution, roll, pitch)
 
 
 @cache

@@ -15,7 +15,7 @@ from footsel.oracle.self_collision import SelfCollisionTable
 from footsel.robot.robot import Robot
 
 #: Raised when the meaning or the making of a table changes.
-TABLE_VERSION = 1
+TABLE_VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)

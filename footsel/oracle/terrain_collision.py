@@ -66,7 +66,7 @@ class TerrainCollision:
             terrain.resolution,
             verdict,
         )
-        collides = (verdict == COLLIDES).any(axis=1)
+        collides: NDArray[np.bool_] = (verdict == COLLIDES).any(axis=1)
         for cell in np.flatnonzero(~collides & (verdict == UNDECIDED).any(axis=1)):
             suspects = np.flatnonzero(verdict[cell] == UNDECIDED)
             collides[cell] = bool(self._ask(terrain, tilt, angles[cell], suspects, first_only=True))
@@ -159,7 +159,7 @@ def _quad_maxima(heights: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma
     highest = np.empty((rows - 1, columns - 1))
     for i in range(rows - 1):
         for j in range(columns - 1):
-            highest[i, j] = max(max(heights[i, j], heights[i + 1, j]), max(heights[i, j + 1], heights[i + 1, j + 1]))
+            highest[i, j] = max(heights[i, j], heights[i + 1, j], heights[i, j + 1], heights[i + 1, j + 1])
     return highest
 
 
@@ -178,7 +178,7 @@ def _sphere_against_terrain(
     fx, fy = x / resolution + quads / 2, y / resolution + quads / 2
     i, j = int(np.floor(fx)), int(np.floor(fy))
     if 0 <= i < quads and 0 <= j < quads:
-        lowest = min(min(heights[i, j], heights[i + 1, j]), min(heights[i, j + 1], heights[i + 1, j + 1]))
+        lowest = min(heights[i, j], heights[i + 1, j], heights[i, j + 1], heights[i + 1, j + 1])
         if z < lowest:
             return COLLIDES
     reach = radius / resolution

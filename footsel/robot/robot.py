@@ -47,7 +47,7 @@ class Robot:
         margins = self.description.margin_max
         return margins[leg] if leg in margins else margins[mirror_of(leg)]
 
-    def evaluated_leg(self, leg: str) -> str:
+    def table_leg(self, leg: str) -> str:
         """The leg whose tables serve `leg`: the left one of the pair if the robot is symmetric."""
         return mirror_of(leg) if self.description.symmetric and is_right(leg) else leg
 

@@ -1,0 +1,306 @@
+"""The label of a cell by its definition: what the fast oracle must equal, written to be read and not to be quick.
+
+One cell at a time, without tables, prefilters or closed forms. It shares the robot description with the fast oracle and
+nothing else: inverse kinematics is numeric (Pinocchio's Jacobian), every pair of bodies is put to coal, and the
+kinematic margin is searched direction by direction. It is also the naive baseline of `footsel bench`.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from footsel.footholds.cost import INFEASIBLE_COST, foothold_cost
+from footsel.footholds.pose import tilt_rotation
+from footsel.footholds.reasons import Reason
+from footsel.legs import check_leg
+from footsel.robot.robot import Robot, stance_configuration
+from footsel.terrain import LocalMap
+
+Vector = NDArray[np.float64]
+
+#: A foot centre this near to its target has reached it; iteration goes on to the goal, near machine precision. [m]
+POSITION_TOLERANCE = 1e-7
+POSITION_GOAL = 1e-13
+#: A descent ends when an iteration leaves more than this share of the squared error.
+STAGNATION = 0.99
+MAX_ITERATIONS = 60
+#: Seeds beside the nominal stance: these fractions of each joint's range, where they lie on its branch. They reach into
+#: the corners of the range: with 8 seeds near its middle, 17 of 44,000 configurations at the limits were not found.
+SEED_FRACTIONS = ((0.05, 0.95), (0.15, 0.35, 0.65, 0.85), (0.1, 0.5, 0.9))
+#: Joint angles this far beyond a limit are within it (rounding), in [rad].
+ANGLE_TOLERANCE = 1e-9
+
+#: The margin search: evenly spread directions, the step of the march along each, and its bisection in [m].
+DIRECTIONS = 600
+MARCH_STEP = 0.0025
+BISECTION_TOLERANCE = 1e-5
+#: The nearest hits are refined on rings of these angles around their directions, in [rad].
+REFINED_DIRECTIONS = 4
+RING_ANGLES = (0.08, 0.04, 0.02, 0.01, 0.005)
+RING_SIZE = 8
+
+#: Unknown cells are lowered to this depth below the lowest known cell, out of the way of every leg, in [m].
+FLOOR_DEPTH = 1.0
+
+#: Constants of the terrain cost, version 1: slope, upper edge of a step or ridge, foot of a step or pit.
+SLOPE_SCALE, RIDGE_SCALE, PIT_SCALE = 0.7, 0.5, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class CellLabel:
+    """The label of one cell.
+
+    reason: the first constraint that the cell fails, or FEASIBLE.
+    cost: in [0, 254] if feasible, else 255; NaN if feasible and the margin was not asked for.
+    margin: distance of the foot's centre to the border of its workspace, in [m]; NaN if infeasible or not asked for.
+    terrain_cost: c_m in [0, 1]; NaN if the cell is unknown.
+    joint_angles: (3,) HAA HFE KFE in [rad]; None if the cell is unknown or out of range.
+    """
+
+    reason: Reason
+    cost: float
+    margin: float
+    terrain_cost: float
+    joint_angles: Vector | None
+
+
+def brute_force_cell(
+    robot: Robot, local_map: LocalMap, leg: str, roll: float, pitch: float, cell: tuple[int, int], with_margin: bool = True
+) -> CellLabel:
+    """The label of one cell (i, j) of the local map of a leg, the base tilted by roll and pitch in [rad]."""
+    return _oracle(robot, leg).label_cell(local_map, roll, pitch, cell, with_margin)
+
+
+class BruteForceOracle:
+    """The label of one leg's cells, the rest of the robot frozen in its nominal stance.
+
+    Positions of the foot's centre are relative to the hip point L_i in the base frame, in [m].
+    """
+
+    def __init__(self, robot: Robot, leg: str) -> None:
+        self.robot, self.leg = robot, check_leg(leg)
+        description, bodies = robot.description, robot.bodies[leg]
+        stance = stance_configuration(description, robot.model)
+        own = description.joints[leg]
+        frozen = [index for index, name in enumerate(robot.model.names) if index > 0 and name not in own]
+        self._model, self._geometry = pin.buildReducedModel(robot.model, robot.geometry, frozen, stance)
+        self._geometry.removeAllCollisionPairs()
+        for swing, obstacle in bodies.pairs:
+            pair = bodies.swing[swing].name, bodies.obstacles[obstacle].name
+            self._geometry.addCollisionPair(pin.CollisionPair(*map(self._geometry.getGeometryId, pair)))
+        self._data, self._geometry_data = self._model.createData(), self._geometry.createData()
+        self._joints = [self._model.getJointId(name) for name in own]
+        self._foot = self._model.getFrameId(robot.model.frames[robot.foot_frames[leg]].name)
+        self._low, self._high = np.array(description.limits[leg]).T
+        fractions = np.stack(np.meshgrid(*SEED_FRACTIONS, indexing="ij"), axis=-1).reshape(-1, 3)
+        self._seeds = [np.array(description.stance[leg])]
+        self._seeds += [seed for seed in self._low + fractions * (self._high - self._low) if self._on_branch(seed)]
+        self._terrain: tuple[LocalMap, Any] | None = None
+
+    def label(
+        self, local_map: LocalMap, roll: float, pitch: float, with_margin: bool = True
+    ) -> tuple[NDArray[np.uint8], Vector]:
+        """Reason and cost (n, n) of every cell, one after another, as `label_cell` gives them."""
+        reason, cost = np.zeros(local_map.heights.shape, dtype=np.uint8), np.zeros(local_map.heights.shape)
+        for i in range(local_map.cells):
+            for j in range(local_map.cells):
+                label = self.label_cell(local_map, roll, pitch, (i, j), with_margin)
+                reason[i, j], cost[i, j] = label.reason, label.cost
+        return reason, cost
+
+    def label_cell(
+        self, local_map: LocalMap, roll: float, pitch: float, cell: tuple[int, int], with_margin: bool = True
+    ) -> CellLabel:
+        """The label of one cell (i, j) of this leg's local map, the base tilted by roll and pitch in [rad]."""
+        i, j = cell
+        middle, d = (local_map.cells - 1) / 2, local_map.resolution
+        contact = np.array([(i - middle) * d, (j - middle) * d, local_map.heights[i, j]])
+        if np.isnan(contact[2]):
+            return CellLabel(Reason.UNKNOWN, INFEASIBLE_COST, np.nan, np.nan, None)
+        c_m = terrain_cost(local_map, cell)
+        tilt = tilt_rotation(roll, pitch)
+        centre = tilt.T @ (contact + [0.0, 0.0, self.robot.description.foot_radius])
+        angles = self.inverse(centre)
+        if angles is None:
+            return CellLabel(Reason.KINEMATIC_RANGE, INFEASIBLE_COST, np.nan, c_m, None)
+        if self.self_collides(angles):
+            return CellLabel(Reason.SELF_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles)
+        if self.terrain_collides(angles, local_map, tilt):
+            return CellLabel(Reason.TERRAIN_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles)
+        if not with_margin:
+            return CellLabel(Reason.FEASIBLE, np.nan, np.nan, c_m, angles)
+        margin, margin_max = self.margin(centre, angles), self.robot.margin_max(self.leg)
+        c_k = 1 - min(margin, margin_max) / margin_max
+        return CellLabel(Reason.FEASIBLE, float(foothold_cost(c_k, c_m)), margin, c_m, angles)
+
+    def forward(self, angles: Vector) -> Vector:
+        """(3,) foot centre for HAA HFE KFE in [rad]."""
+        pin.forwardKinematics(self._model, self._data, angles)
+        foot = pin.updateFramePlacement(self._model, self._data, self._foot)
+        return np.asarray(foot.translation - self.robot.layout.hips[self.leg])
+
+    def inverse(self, centre: Vector, first_seed: Vector | None = None) -> Vector | None:
+        """Angles (3,) within the limits, on the nominal stance's branch, that put the foot on `centre`; None if none.
+
+        A descent that ends on another branch or beyond a limit does not count, and the next seed is tried.
+        """
+        for seed in self._seeds if first_seed is None else [first_seed, *self._seeds]:
+            angles = self._descend(seed, centre)
+            within = (angles >= self._low - ANGLE_TOLERANCE) & (angles <= self._high + ANGLE_TOLERANCE)
+            reached = np.linalg.norm(self.forward(angles) - centre) < POSITION_TOLERANCE
+            if within.all() and reached and self._on_branch(angles):
+                return angles
+        return None
+
+    def _descend(self, seed: Vector, centre: Vector) -> Vector:
+        """Levenberg-Marquardt from one seed, damped by the squared error (Sugihara 2011, IEEE Trans. Robotics 27)."""
+        angles, target = seed.copy(), centre + self.robot.layout.hips[self.leg]
+        previous = np.inf
+        for _ in range(MAX_ITERATIONS):
+            jacobian = pin.computeFrameJacobian(
+                self._model, self._data, angles, self._foot, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )[:3]
+            error = target - pin.updateFramePlacement(self._model, self._data, self._foot).translation
+            square = error @ error
+            if square < POSITION_GOAL**2 or square > STAGNATION * previous:
+                break
+            previous = square
+            damping = (square + 1e-12) * np.eye(3)
+            angles += np.linalg.solve(jacobian.T @ jacobian + damping, jacobian.T @ error)
+        return np.asarray(np.pi - (np.pi - angles) % (2 * np.pi))
+
+    def _on_branch(self, angles: Vector) -> bool:
+        """Whether the foot is below the HFE axis along the z axis of the HAA link; the limits fix the knee's side."""
+        pin.forwardKinematics(self._model, self._data, angles)
+        foot = pin.updateFramePlacement(self._model, self._data, self._foot)
+        haa, hfe = (self._data.oMi[joint] for joint in self._joints[:2])
+        return bool((haa.rotation.T @ (foot.translation - hfe.translation))[2] < 0)
+
+    def self_collides(self, angles: Vector) -> bool:
+        """Whether the swing leg touches the base or another leg, pair by pair."""
+        return bool(
+            pin.computeCollisions(self._model, self._data, self._geometry, self._geometry_data, angles, True)
+        )
+
+    def terrain_collides(self, angles: Vector, local_map: LocalMap, tilt: Vector) -> bool:
+        """Whether thigh or trimmed shank touch the terrain. tilt: (3, 3) rotation from the base to the heading frame."""
+        if self._terrain is None or self._terrain[0] is not local_map:
+            self._terrain = local_map, terrain_solid(local_map)
+        terrain = self._terrain[1]
+        pin.forwardKinematics(self._model, self._data, angles)
+        heading = pin.SE3(tilt, -tilt @ self.robot.layout.hips[self.leg])
+        request, still = coal.CollisionRequest(), coal.Transform3s.Identity()
+        for body in self.robot.bodies[self.leg].trimmed:
+            joint = self._data.oMi[self._joints[body.joint - 1]]
+            placed = heading * joint * pin.SE3(body.rotation, body.translation)
+            transform = coal.Transform3s(placed.rotation, placed.translation)
+            if coal.collide(body.shape, transform, terrain, still, request, coal.CollisionResult()):
+                return True
+        return False
+
+    def margin(self, centre: Vector, angles: Vector) -> float:
+        """Distance from a free foot centre to the nearest position out of range or in self-collision, in [m].
+
+        Every direction is marched; the nearest hits are then refined by turning them ever less. A part of the border
+        that is thinner than the march or than the gap between two directions may be missed.
+        """
+        hits: list[tuple[float, int]] = []
+        directions = _sphere_directions(DIRECTIONS)
+        for index, direction in enumerate(directions):
+            nearest = min(hits)[0] if hits else np.inf
+            length = self._free_length(centre, angles, direction, nearest + MARCH_STEP)
+            if length < np.inf:
+                hits.append((length, index))
+        return min(self._refined(centre, angles, directions[index]) for _, index in sorted(hits)[:REFINED_DIRECTIONS])
+
+    def _refined(self, centre: Vector, angles: Vector, direction: Vector) -> float:
+        """The least free length near a direction."""
+        least = self._free_length(centre, angles, direction)
+        for angle in RING_ANGLES:
+            for neighbour in _ring(direction, angle):
+                length = self._free_length(centre, angles, neighbour, least)
+                if length < least:
+                    least, direction = length, neighbour
+        return least
+
+    def _free_length(self, centre: Vector, angles: Vector, direction: Vector, longest: float = np.inf) -> float:
+        """How far the foot moves along a unit direction until it is not free; inf if that is beyond `longest`. [m]"""
+        free, blocked = 0.0, MARCH_STEP
+        while (ahead := self._free_angles(centre + blocked * direction, angles)) is not None:
+            if blocked >= longest:
+                return np.inf
+            free, blocked, angles = blocked, blocked + MARCH_STEP, ahead
+        while blocked - free > BISECTION_TOLERANCE:
+            middle = (free + blocked) / 2
+            ahead = self._free_angles(centre + middle * direction, angles)
+            free, blocked, angles = (free, middle, angles) if ahead is None else (middle, blocked, ahead)
+        return blocked
+
+    def _free_angles(self, centre: Vector, seed: Vector) -> Vector | None:
+        """The angles at a position of the self-collision-free workspace, None outside of it."""
+        angles = self.inverse(centre, seed)
+        return None if angles is None or self.self_collides(angles) else angles
+
+
+def terrain_solid(local_map: LocalMap) -> Any:
+    """The terrain below the known cells as a coal height field in the heading frame; it ends at the outer cell centres.
+
+    Rows of coal's matrix run down the y axis, columns up the x axis, and the heights are those of its vertices.
+    """
+    heights = local_map.heights.astype(np.float64)
+    floor = np.nanmin(heights) - FLOOR_DEPTH
+    side = (local_map.cells - 1) * local_map.resolution
+    vertices = np.where(np.isnan(heights), floor, heights).T[::-1]
+    return coal.HeightFieldOBBRSS(side, side, np.ascontiguousarray(vertices), floor)
+
+
+def terrain_cost(local_map: LocalMap, cell: tuple[int, int]) -> float:
+    """c_m of a known cell from its eight neighbours: K1 and K2 of Belter (2011) as slopes, whatever the cell size.
+
+    Neighbours that are unknown or beyond the local map are missing: they raise the cost.
+    """
+    i, j = cell
+    heights = local_map.heights.astype(np.float64)
+    drops = []
+    for a in (i - 1, i, i + 1):
+        for b in (j - 1, j, j + 1):
+            inside = 0 <= a < local_map.cells and 0 <= b < local_map.cells
+            if (a, b) != (i, j) and inside and not np.isnan(heights[a, b]):
+                drops.append(heights[i, j] - heights[a, b])
+    known = len(drops)
+    if known == 0:
+        return 1.0
+    scale = 8 / known / (6 * local_map.resolution)
+    k1, k2 = scale * sum(drops), scale * sum(abs(drop) for drop in drops)
+    step_scale = RIDGE_SCALE if k1 > 0 else PIT_SCALE
+    danger = 1 - np.exp(-((k2 / SLOPE_SCALE) ** 2) / 2 - (k1 / step_scale) ** 2 / 2)
+    return float(1 - (1 - danger) * known / 8)
+
+
+@cache
+def _oracle(robot: Robot, leg: str) -> BruteForceOracle:
+    return BruteForceOracle(robot, leg)
+
+
+@cache
+def _sphere_directions(count: int) -> Vector:
+    """(count, 3) unit vectors of a Fibonacci lattice, shuffled so that the first ones already face every side."""
+    index = np.arange(count) + 0.5
+    z, turn = 1 - 2 * index / count, index * np.pi * (1 + 5**0.5)
+    ring = np.sqrt(1 - z**2)
+    directions = np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1)
+    return np.random.default_rng(0).permutation(directions)
+
+
+def _ring(direction: Vector, angle: float) -> list[Vector]:
+    """Unit vectors at an angle from a direction, evenly around it."""
+    side = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    side /= np.linalg.norm(side)
+    other = np.cross(direction, side)
+    turns = 2 * np.pi * np.arange(RING_SIZE) / RING_SIZE
+    return [np.cos(angle) * direction + np.sin(angle) * (np.cos(t) * side + np.sin(t) * other) for t in turns]
