@@ -1,0 +1,6 @@
+"""One interface, many selectors: nominal, terrain_only, oracle, cnn, cnn+verify."""
+
+from footsel.selectors.base import Selector
+from footsel.selectors.registry import SELECTORS, make_selector
+
+__all__ = ["SELECTORS", "Selector", "make_selector"]
