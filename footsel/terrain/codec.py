@@ -13,14 +13,14 @@ def heights_to_image(heights: ArrayLike, height_range: float = HEIGHT_RANGE) -> 
     heights: (..., n, n) terrain height relative to L_i, NaN = unknown, in [m].
     """
     depth = -np.asarray(heights, dtype=np.float32) / np.float32(height_range)
-    return np.clip(np.where(np.isnan(depth), np.float32(1), depth), 0, 1).astype(np.float32)
+    return np.asarray(np.clip(np.where(np.isnan(depth), 1, depth), 0, 1), dtype=np.float32)
 
 
 def quantise_image(image: ArrayLike) -> NDArray[np.uint8]:
     """The paper's 8-bit grey image: value * 255, rounded."""
-    return np.rint(np.asarray(image, dtype=np.float32) * np.float32(255)).astype(np.uint8)
+    return np.asarray(np.rint(np.asarray(image, dtype=np.float32) * np.float32(255)), dtype=np.uint8)
 
 
 def image_to_heights(image: ArrayLike, height_range: float = HEIGHT_RANGE) -> NDArray[np.float32]:
     """Heights relative to L_i that an image in [0, 1] stands for; what was clipped or unknown is lost, in [m]."""
-    return -np.asarray(image, dtype=np.float32) * np.float32(height_range)
+    return np.asarray(-np.asarray(image, dtype=np.float32) * np.float32(height_range))

@@ -30,6 +30,8 @@ class ElevationMap:
 
     def __post_init__(self) -> None:
         try:
+            if np.iscomplexobj(self.elevation):
+                raise TypeError("complex heights")
             # Heights beyond float32 turn infinite in the cast and are refused below.
             with np.errstate(over="ignore"):
                 elevation = np.ascontiguousarray(self.elevation, dtype=np.float32)
@@ -83,11 +85,11 @@ class ElevationMap:
 
     def x(self) -> NDArray[np.float64]:
         """(nx,) world x of the cell centres, in [m]."""
-        return self.position[0] + (np.arange(self.shape[0]) - (self.shape[0] - 1) / 2) * self.resolution
+        return self._along(0)
 
     def y(self) -> NDArray[np.float64]:
         """(ny,) world y of the cell centres, in [m]."""
-        return self.position[1] + (np.arange(self.shape[1]) - (self.shape[1] - 1) / 2) * self.resolution
+        return self._along(1)
 
     def fractional_index(self, xy: ArrayLike) -> NDArray[np.float64]:
         """(..., 2) index of world points, whole numbers at cell centres."""
@@ -145,3 +147,7 @@ class ElevationMap:
             elevation[inside] = self.elevation[first[0] : last[0], first[1] : last[1]]
         offset = (middle - (np.array(self.shape) - 1) / 2) * self.resolution
         return ElevationMap(elevation, self.resolution, self.position + offset)
+
+    def _along(self, axis: int) -> NDArray[np.float64]:
+        cells = self.shape[axis]
+        return np.asarray(self.position[axis] + (np.arange(cells) - (cells - 1) / 2) * self.resolution)

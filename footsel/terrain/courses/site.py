@@ -110,7 +110,7 @@ def chance(rng: np.random.Generator, probability: float) -> bool:
 
 
 def lengths_to_cover(rng: np.random.Generator, low: float, high: float, site: Site) -> Array:
-    """Edges (k,) along a direction, `low` to `high` [m] apart, from one end of the site to the other in any direction."""
+    """Edges (k,) along a direction, `low` to `high` [m] apart, that cover the site whatever the direction."""
     count = int(2 * (site.reach + high) / low) + 2
     start = -site.reach - rng.uniform(0, high)
     edges = np.cumsum(np.concatenate([[start], rng.uniform(low, high, count)]))

@@ -1,0 +1,116 @@
+"""ERFNet (Romera et al., IEEE T-ITS 2018), the paper's network (figure 3), for local maps of 40x40 cells.
+
+Encoder 40x40 -> 5x5x128, decoder back to 40x40, no skip connections. Batch normalisation's eps, the biases and the
+dropout, which the paper does not name, are those of ERFNet's authors.
+"""
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from footsel.footholds.cost import CLASSES
+
+BATCH_NORM_EPS = 1e-3
+#: Dropout of ERFNet's residual layers, after the second and after the third downsampling.
+EARLY_DROPOUT, LATE_DROPOUT = 0.03, 0.3
+DILATIONS = (2, 4, 8, 16)
+
+
+class Downsampler(nn.Module):
+    """Half the side: a strided 3x3 convolution beside a max pooling, concatenated to `outputs` channels."""
+
+    def __init__(self, inputs: int, outputs: int) -> None:
+        super().__init__()
+        self.convolution = nn.Conv2d(inputs, outputs - inputs, 3, stride=2, padding=1)
+        self.pooling = nn.MaxPool2d(2, stride=2)
+        self.norm = nn.BatchNorm2d(outputs, eps=BATCH_NORM_EPS)
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """(n, inputs, h, w) -> (n, outputs, h / 2, w / 2)."""
+        joined = torch.cat([self.convolution(maps), self.pooling(maps)], dim=1)
+        return functional.relu(self.norm(joined))
+
+
+class NonBottleneck1d(nn.Module):
+    """Residual layer with 3x3 convolutions factorised into 3x1 and 1x3; the second pair is dilated."""
+
+    def __init__(self, channels: int, dropout: float = 0.0, dilation: int = 1) -> None:
+        super().__init__()
+
+        def along_rows(d: int) -> nn.Conv2d:
+            return nn.Conv2d(channels, channels, (3, 1), padding=(d, 0), dilation=(d, 1))
+
+        def along_columns(d: int) -> nn.Conv2d:
+            return nn.Conv2d(channels, channels, (1, 3), padding=(0, d), dilation=(1, d))
+
+        self.branch = nn.Sequential(
+            along_rows(1),
+            nn.ReLU(inplace=True),
+            along_columns(1),
+            nn.BatchNorm2d(channels, eps=BATCH_NORM_EPS),
+            nn.ReLU(inplace=True),
+            along_rows(dilation),
+            nn.ReLU(inplace=True),
+            along_columns(dilation),
+            nn.BatchNorm2d(channels, eps=BATCH_NORM_EPS),
+        )
+        # Whole channels are dropped; a layer without dropout has no module, so the exported graph has none either.
+        if dropout > 0:
+            self.branch.append(nn.Dropout2d(dropout))
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """(n, channels, h, w) -> the same shape."""
+        return functional.relu(self.branch(maps) + maps)
+
+
+class Upsampler(nn.Module):
+    """Twice the side by a strided 3x3 transposed convolution."""
+
+    def __init__(self, inputs: int, outputs: int) -> None:
+        super().__init__()
+        self.convolution = nn.ConvTranspose2d(inputs, outputs, 3, stride=2, padding=1, output_padding=1)
+        self.norm = nn.BatchNorm2d(outputs, eps=BATCH_NORM_EPS)
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """(n, inputs, h, w) -> (n, outputs, 2 h, 2 w)."""
+        return functional.relu(self.norm(self.convolution(maps)))
+
+
+class ERFNet(nn.Module):
+    """Local maps to class logits: (n, in_channels, 40, 40) -> (n, classes, 40, 40).
+
+    in_channels: planes of the input encoding; 1 is the paper's.
+    classes: output channels, the last one is "infeasible". With 1 and 14 the network has 2,063,652 parameters.
+    """
+
+    def __init__(self, in_channels: int = 1, classes: int = CLASSES) -> None:
+        super().__init__()
+        self.in_channels = in_channels
+        self.classes = classes
+        self.encoder = nn.Sequential(
+            Downsampler(in_channels, 16),
+            Downsampler(16, 64),
+            *(NonBottleneck1d(64, EARLY_DROPOUT) for _ in range(5)),
+            Downsampler(64, 128),
+            *(NonBottleneck1d(128, LATE_DROPOUT, dilation) for dilation in DILATIONS * 2),
+        )
+        self.decoder = nn.Sequential(
+            Upsampler(128, 64),
+            NonBottleneck1d(64),
+            NonBottleneck1d(64),
+            Upsampler(64, 16),
+            NonBottleneck1d(16),
+            NonBottleneck1d(16),
+            nn.ConvTranspose2d(16, classes, 2, stride=2),
+        )
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """Logits of every cell."""
+        logits: Tensor = self.decoder(self.encoder(maps))
+        return logits
+
+
+def channels_last(net: ERFNet) -> ERFNet:
+    """`net` with its convolution weights stored channels last, the faster layout on CPUs."""
+    converted: ERFNet = net.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    return converted

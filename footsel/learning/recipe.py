@@ -1,0 +1,128 @@
+"""Training recipes: every choice that makes one training differ from another, read from TOML."""
+
+import math
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from footsel.errors import InputError, UnknownNameError
+from footsel.footholds.encoding import InputEncoding
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+#: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
+RECIPES = ("paper", "footsel")
+
+_CHOICES = {
+    "schedule": ("exponential", "one_cycle"),
+    "class_weights": ("paper", "none"),
+    "precision": ("auto", "float32", "bfloat16"),
+}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a network is trained.
+
+    name: "paper", "footsel" or the name of the user's file.
+    planes, quantised: the input encoding. epochs: passes over the training maps. batch_size: maps per update.
+    schedule: "exponential" (decays by `decay` per epoch over `decay_epochs` epochs, or as far in fewer epochs) or
+        "one_cycle" (up to `learning_rate` and down again). weight_decay: Adam's L2 penalty.
+    class_weights: "paper" or "none". calibrated: whether the weights' tilt towards rare classes is taken out of the
+        trained network's logits again. ema_decay: of the weights' moving average, per update; 0 keeps none.
+    precision: "auto", "float32" or "bfloat16" arithmetic of the forward pass.
+    """
+
+    name: str
+    planes: tuple[str, ...]
+    quantised: bool
+    epochs: int
+    batch_size: int
+    schedule: str
+    learning_rate: float
+    weight_decay: float
+    class_weights: str
+    calibrated: bool
+    ema_decay: float
+    precision: str
+    decay: float | None = None
+    decay_epochs: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "planes", tuple(self.planes))
+        InputEncoding(self.planes)
+        for key, known in _CHOICES.items():
+            if getattr(self, key) not in known:
+                raise UnknownNameError(f"{key} of recipe {self.name}", getattr(self, key), known)
+        self._check("quantised", isinstance(self.quantised, bool), "true or false")
+        self._check("calibrated", isinstance(self.calibrated, bool), "true or false")
+        self._check("epochs", _is_whole(self.epochs) and self.epochs >= 1, "a whole number of 1 or more")
+        self._check("batch_size", _is_whole(self.batch_size) and self.batch_size >= 1, "a whole number of 1 or more")
+        self._check("learning_rate", _is_number(self.learning_rate) and self.learning_rate > 0, "a number above 0")
+        self._check("weight_decay", _is_number(self.weight_decay) and self.weight_decay >= 0, "a number of 0 or more")
+        self._check("ema_decay", _is_number(self.ema_decay) and 0 <= self.ema_decay < 1, "a number in [0, 1)")
+        if self.schedule == "exponential":
+            self._check("decay", _is_number(self.decay) and 0 < float(self.decay or 0) <= 1, "a number in (0, 1]")
+            self._check("decay_epochs", _is_whole(self.decay_epochs) and int(self.decay_epochs or 0) >= 1, "1 or more")
+
+    def _check(self, key: str, good: bool, expected: str) -> None:
+        if not good:
+            raise InputError(f"{key} of recipe {self.name} is {getattr(self, key)!r}", f"give {expected}")
+
+    @classmethod
+    def load(cls, recipe: str | Path) -> "Recipe":
+        """A shipped recipe by name, or the user's own TOML file.
+
+        Raises UnknownNameError for a name that is neither, InputError for a file that does not fit.
+        """
+        if str(recipe) in RECIPES:
+            text = (resources.files("footsel.learning") / "recipes" / f"{recipe}.toml").read_text(encoding="utf-8")
+            return cls._parse(str(recipe), text)
+        path = Path(recipe)
+        if path.suffix != ".toml":
+            raise UnknownNameError("recipe", str(recipe), (*RECIPES, "a .toml file"))
+        try:
+            return cls._parse(path.stem, path.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"cannot read recipe {path} ({error})", "give a TOML file like the shipped ones") from None
+
+    @classmethod
+    def _parse(cls, name: str, text: str) -> "Recipe":
+        try:
+            values = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"recipe {name} is no TOML ({error})", "correct the file") from None
+        return cls.from_dict({"name": name, **values})
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "Recipe":
+        """From the values of `to_dict` or of a TOML file; raises InputError for keys that are missing or unknown."""
+        name = values.get("name", "without name")
+        known = {field.name for field in fields(cls)}
+        if unknown := sorted(set(values) - known):
+            raise UnknownNameError(f"key of recipe {name}", unknown[0], sorted(known))
+        if missing := sorted(known - set(values) - {"decay", "decay_epochs"}):
+            raise InputError(f"recipe {name} lacks {', '.join(missing)}", "copy a shipped recipe and change its values")
+        return cls(**values)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain JSON values; `from_dict` is its inverse."""
+        return {**asdict(self), "planes": list(self.planes)}
+
+    def encoding(self, height_range: float) -> InputEncoding:
+        """The network's input for a robot whose depth image spans `height_range`, in [m]."""
+        return InputEncoding(self.planes, self.quantised, height_range)
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

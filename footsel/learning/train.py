@@ -1,0 +1,248 @@
+"""Training of one pair's network, top to bottom: what is asked, data, model, loop."""
+
+import csv
+import io
+import json
+import math
+import platform
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+import footsel
+from footsel.dataset import Samples, open_dataset
+from footsel.dataset.store import write_json
+from footsel.errors import InputError
+from footsel.footholds import LegLayout
+from footsel.learning.batches import shuffled_batches
+from footsel.learning.checkpoint import (
+    Progress,
+    load_checkpoint,
+    load_network,
+    network_predictor,
+    save_checkpoint,
+    save_model,
+)
+from footsel.learning.erfnet import ERFNet, channels_last
+from footsel.learning.files import CHECKPOINT_FILE, replace_file
+from footsel.learning.learner import Learner, computes_in_bfloat16
+from footsel.learning.loss import class_shares, class_weights
+from footsel.learning.predictions import predict_all
+from footsel.learning.recipe import Recipe
+from footsel.learning.schedule import learning_rate
+from footsel.learning.scores import Scores
+from footsel.learning.threshold import choose_feasible_below, threshold_curve
+from footsel.legs import TRAINED_LEG
+from footsel.robot import load_robot
+
+#: A killed training loses at most this much. [s]
+CHECKPOINT_SECONDS = 120.0
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingData:
+    """Labelled maps of the trained leg of one pair, and what is known of them.
+
+    robot, layout: whose legs. dataset_sha256: hash of the dataset's manifest.
+    """
+
+    pair: str
+    training: Samples
+    validation: Samples
+    robot: str
+    layout: LegLayout
+    dataset_sha256: str
+
+
+def train(
+    dataset_dir: Path,
+    out: Path,
+    pair: str,
+    recipe: Recipe,
+    resume: bool = False,
+    epochs: int | None = None,
+    seed: int = 0,
+    threads: int = 1,
+) -> dict[str, Any]:
+    """Train the network of `pair` on a dataset of `footsel dataset`; files go to `out`/`pair`.
+
+    resume: continue a training that was interrupted, to the same result.
+    epochs: instead of the recipe's.
+    threads: of torch; two pairs side by side on one thread each take less time than one after the other on two.
+    Returns the header of the final model (footsel.learning.checkpoint.load_network).
+    """
+    dataset = open_dataset(dataset_dir)
+    training, validation = dataset.split(pair)
+    robot = str(dataset.manifest["config"]["robot"])
+    data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, dataset.sha256)
+    recipe = recipe if epochs is None else replace(recipe, epochs=epochs)
+    torch.set_num_threads(threads)
+    return fit(data, out / pair, recipe, resume, seed)
+
+
+def fit(
+    data: TrainingData,
+    folder: Path,
+    recipe: Recipe,
+    resume: bool = False,
+    seed: int = 0,
+    checkpoint_seconds: float = CHECKPOINT_SECONDS,
+) -> dict[str, Any]:
+    """Train on maps in memory; `folder` gets config.json, curves.csv, validation.json, the checkpoint and the model."""
+    # What is asked. A folder holds one training, from its first update to its last.
+    config = {
+        "robot": data.robot,
+        "pair": data.pair,
+        "recipe": recipe.to_dict(),
+        "dataset_sha256": data.dataset_sha256,
+        "maps": {"training": len(data.training), "validation": len(data.validation)},
+        "seed": seed,
+    }
+    resumed = _claim_folder(folder, config, resume)
+
+    # Data.
+    encoding = recipe.encoding(data.layout.height_range)
+    shares = class_shares(data.training.cost)
+    weights = class_weights(shares, recipe.class_weights)
+    batches_per_epoch = -(-len(data.training) // recipe.batch_size)
+
+    # Model.
+    learner = Learner(recipe, encoding, weights, seed)
+    progress = load_checkpoint(folder, learner) if resumed else Progress()
+    rows = _read_curves(folder / "curves.csv")[: progress.epoch]
+
+    # Loop.
+    bar = tqdm(total=recipe.epochs * len(data.training), unit="map", desc=data.pair, smoothing=0.05, disable=None)
+    bar.update(progress.epoch * len(data.training) + progress.maps)
+    saved = time.monotonic()
+    for epoch in range(progress.epoch, recipe.epochs):
+        started = time.monotonic() - progress.seconds
+        batches = shuffled_batches(len(data.training), recipe.batch_size, seed, epoch)
+        for batch in range(progress.batch, batches_per_epoch):
+            samples = data.training.take(batches[batch])
+            rate = learning_rate(recipe, epoch, batch, batches_per_epoch)
+            loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)
+            if not math.isfinite(loss):
+                raise InputError(f"the loss became {loss} in epoch {epoch}", "lower the recipe's learning_rate")
+            progress.add(loss, len(samples), time.monotonic() - started)
+            bar.update(len(samples))
+            bar.set_postfix(epoch=epoch, loss=f"{progress.mean_loss:.4f}", refresh=False)
+            if time.monotonic() - saved >= checkpoint_seconds:
+                save_checkpoint(folder, learner, progress)
+                saved = time.monotonic()
+
+        # After every epoch the model is usable, and judged on maps that it never learns from.
+        judgement, validation_loss = _validate(learner, data, np.ones_like(weights) if recipe.calibrated else weights)
+        measured = {"train_loss": progress.mean_loss, "val_loss": validation_loss}
+        seconds = round(time.monotonic() - started, 1)
+        last_rate = learning_rate(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
+        rows.append({"epoch": epoch, "lr": last_rate, **measured, **_curve_figures(judgement), "seconds": seconds})
+        info = {
+            **config,
+            "layout": data.layout.to_dict(),
+            "encoding": encoding.to_dict(),
+            "in_channels": learner.net.in_channels,
+            "classes": learner.net.classes,
+            "class_shares": shares.tolist(),
+            "epochs_done": epoch + 1,
+            "feasible_below": judgement["feasible_below"],
+            "validation": judgement["metrics"],
+            "version": footsel.__version__,
+        }
+        save_model(folder, learner.weights(), info)
+        write_json(folder / "validation.json", {"epoch": epoch, **judgement})
+        _write_curves(folder / "curves.csv", rows)
+        # Last, so that a training killed anywhere above does the epoch's end again instead of leaving it out.
+        progress = Progress(epoch=epoch + 1)
+        save_checkpoint(folder, learner, progress)
+        saved = time.monotonic()
+        figures = "  ".join(f"{column} {_short(value)}" for column, value in rows[-1].items())
+        bar.write(f"{data.pair}: {figures}", file=sys.stderr)
+    bar.close()
+    return load_network(folder)[1]
+
+
+def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.float32]) -> tuple[dict[str, Any], float]:
+    """The threshold with its curve and the figures at it, and the validation loss."""
+    net = ERFNet(learner.net.in_channels, learner.net.classes)
+    net.load_state_dict(learner.weights())
+    predictions = predict_all(network_predictor(channels_last(net).eval(), learner.encode), data.validation)
+    leg = TRAINED_LEG[data.pair]
+    curve = threshold_curve(predictions, data.validation, data.layout, leg)
+    feasible_below = choose_feasible_below(curve)
+    scores = Scores(data.layout, leg, feasible_below)
+    scores.update(predictions, data.validation)
+    judgement = {"feasible_below": feasible_below, "metrics": scores.result(), "thresholds": curve}
+    return judgement, predictions.cross_entropy(data.validation, class_weight)
+
+
+def _curve_figures(judgement: Mapping[str, Any]) -> dict[str, Any]:
+    """Accuracy as the paper measures it, by the most probable class; what is safe by the threshold that is used."""
+    likeliest, cells, picks = (judgement["metrics"][key] for key in ("cells_likeliest", "cells", "picks"))
+    return {
+        "accuracy": likeliest["accuracy"],
+        "accuracy_feasible": likeliest["accuracy_feasible"],
+        "miou_present": likeliest["miou_present"],
+        "feasible_below": judgement["feasible_below"],
+        "false_safe": cells["false_safe_rate"],
+        "false_unsafe": cells["false_unsafe_rate"],
+        "infeasible_rate": picks["infeasible_rate"],
+        "regret_mean": picks["regret_mean"],
+    }
+
+
+def _claim_folder(folder: Path, config: dict[str, Any], resume: bool) -> bool:
+    """Write config.json into a new folder, or check that a started training is the one asked for.
+
+    Returns whether there is a checkpoint to go on from. Raises InputError if the folder holds another training, or any
+    without `resume`.
+    """
+    path = folder / "config.json"
+    started = (folder / CHECKPOINT_FILE).is_file()
+    if started and not resume:
+        raise InputError(f"{folder} already holds a training", "give --resume to go on with it, or another folder")
+    if started:
+        try:
+            before = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"cannot read {path} ({error})", "start again in another folder") from None
+        for key, value in config.items():
+            if before.get(key) != value:
+                raise InputError(
+                    f"{folder} was trained with {key} {before.get(key)}, not {value}",
+                    "resume with the same values, or start in another folder",
+                )
+        return True
+    folder.mkdir(parents=True, exist_ok=True)
+    versions = {"footsel": footsel.__version__, "torch": torch.__version__, "python": platform.python_version()}
+    bfloat16 = computes_in_bfloat16(config["recipe"]["precision"])
+    machine = {"threads": torch.get_num_threads(), "bfloat16": bfloat16, "versions": versions}
+    write_json(path, {**config, **machine})
+    return False
+
+
+def _read_curves(path: Path) -> list[dict[str, Any]]:
+    if not path.is_file():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _write_curves(path: Path, rows: list[dict[str, Any]]) -> None:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    replace_file(path, lambda temporary: temporary.write_text(text.getvalue(), encoding="utf-8"))
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,118 @@
+"""Judging: picks as the runtime makes them, decoding as the runtime does, the threshold's rule, families."""
+
+import numpy as np
+import pytest
+
+from footsel.footholds import BasePose, CellScores, Reason, choose
+from footsel.footholds.cost import CLASSES, softmax
+from footsel.learning.evaluate import evaluate
+from footsel.learning.loss import LABEL_CLASS
+from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
+from footsel.learning.predictions import predict_all
+from footsel.learning.threshold import THRESHOLDS, choose_feasible_below, threshold_curve
+from footsel.runtime.evaluation import decode
+from footsel.terrain import LocalMap
+
+
+def random_predict(samples):
+    logits = np.random.default_rng(0).normal(0, 3, (len(samples), CLASSES, 40, 40))
+    return softmax(logits, axis=1)
+
+
+def perfect_predict(samples):
+    probabilities = np.eye(CLASSES, dtype=np.float32)[LABEL_CLASS[samples.cost]]
+    return np.moveaxis(probabilities, -1, 1)
+
+
+@pytest.mark.parametrize("leg", ["LF", "LH"])
+def test_picks_equal_choose(samples, layout, leg):
+    rng = np.random.default_rng(8)
+    cost = rng.integers(0, 3, samples.cost.shape) * 10.0  # few values, so that ties happen
+    feasible = rng.random(samples.cost.shape) < 0.4
+    feasible[3] = False
+    known = samples.reason != Reason.UNKNOWN
+    distances = nominal_distances(layout, leg, samples.roll, samples.pitch)
+    cells = pick_cells(final_cost_maps(cost, feasible & known, distances), distances)
+    for n in range(len(samples)):
+        x, y, z, yaw = 3.0, -1.0, 0.5, 0.0
+        pose = BasePose(x, y, z, float(samples.roll[n]), float(samples.pitch[n]), yaw)
+        local_map = LocalMap(samples.heights()[n], layout.resolution, layout.hip_position(leg, pose), yaw)
+        nominal = layout.nominal_xy(leg, pose)
+        np.testing.assert_allclose(local_map.distances_to(nominal), distances[n], atol=1e-9)
+        foothold = choose(CellScores(cost[n], feasible[n]), local_map, (*nominal.tolist(), 0.0))
+        assert foothold.cell == (None if n == 3 else tuple(cells[n].tolist()))
+    assert (cells[3] == -1).all()
+
+
+def test_equal_final_costs_go_to_the_nearer_cell():
+    distances = np.array([[[0.2, 0.1], [0.1, 0.3]]])
+    final = np.array([[[5.0, 5.0], [5.0, 6.0]]])
+    assert pick_cells(final, distances).tolist() == [[0, 1]]
+
+
+@pytest.mark.parametrize("feasible_below", [0.5, 0.05])
+def test_decoding_equals_the_runtimes(samples, feasible_below):
+    predictions = predict_all(random_predict, samples)
+    runtime = decode(random_predict(samples), samples.reason != Reason.UNKNOWN, feasible_below)
+    ours = predictions.decode(feasible_below)
+    np.testing.assert_array_equal(ours.class_, runtime.class_)
+    np.testing.assert_array_equal(ours.cost, runtime.cost)
+    np.testing.assert_array_equal(ours.feasible, runtime.feasible)
+    assert runtime.feasible.any() and not runtime.feasible.all()
+
+
+def test_cross_entropy_equals_torchs(samples):
+    torch = pytest.importorskip("torch")
+    weights = np.linspace(1, 3, CLASSES, dtype=np.float32)
+    expected = torch.nn.functional.nll_loss(
+        torch.log(torch.from_numpy(random_predict(samples))),
+        torch.from_numpy(LABEL_CLASS[samples.cost].astype(np.int64)),
+        torch.from_numpy(weights),
+    )
+    got = predict_all(random_predict, samples).cross_entropy(samples, weights)
+    assert got == pytest.approx(float(expected), rel=1e-5)
+
+
+def test_a_perfect_network_has_perfect_figures(samples, layout):
+    figures = evaluate(perfect_predict, samples, layout, "LF", 0.5)
+    assert set(figures["families"]) == {"steps", "blocks"}
+    everything = figures["all"]
+    assert everything["maps"] == 10 and everything["cells"]["accuracy"] == 1.0
+    assert everything["cells"]["false_safe_rate"] == everything["cells"]["false_unsafe_rate"] == 0.0
+    assert everything["cells"]["miou_present"] == everything["cells_likeliest"]["miou_present"] == 1.0
+    assert everything["picks"]["picks"] == 10 and everything["picks"]["infeasible_picks"] == 0
+    # Class centres stand for whole bins, so a pick can still be dearer than the best by a bin.
+    assert 0 <= everything["picks"]["regret_mean"] < 255 / 13
+
+
+def test_families_add_up_to_all(samples, layout):
+    figures = evaluate(random_predict, samples.take(slice(0, 5)), layout, "LF", 0.05)
+    maps = [family["maps"] for family in figures["families"].values()]
+    picks = [family["picks"]["picks"] for family in figures["families"].values()]
+    assert maps == [2, 3] and sum(picks) == figures["all"]["picks"]["picks"]
+
+
+def test_lower_thresholds_call_fewer_cells_feasible(samples, layout):
+    curve = threshold_curve(predict_all(random_predict, samples), samples, layout, "LF")
+    assert [point["feasible_below"] for point in curve] == list(THRESHOLDS)
+    false_safe = [point["false_safe_rate"] for point in curve]
+    false_unsafe = [point["false_unsafe_rate"] for point in curve]
+    assert false_safe == sorted(false_safe, reverse=True) and false_safe[0] > false_safe[-1]
+    assert false_unsafe == sorted(false_unsafe)
+    # The same figures as the evaluation at that threshold.
+    at = next(point for point in curve if point["feasible_below"] == 0.05)
+    figures = evaluate(random_predict, samples, layout, "LF", 0.05)["all"]
+    assert at["false_safe_rate"] == pytest.approx(figures["cells"]["false_safe_rate"])
+    assert {key: at[key] for key in figures["picks"]} == figures["picks"]
+
+
+def test_the_threshold_keeps_both_limits_where_it_can():
+    def point(threshold, infeasible, missed):
+        return {"feasible_below": threshold, "infeasible_rate": infeasible, "missed_rate": missed}
+
+    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.005, 0), point(0.1, 0.001, 0.005)]) == 0.2
+    # None safe enough without missing too many: the safest that misses few.
+    assert choose_feasible_below([point(0.5, 0.04, 0), point(0.2, 0.02, 0.01), point(0.1, 0.001, 0.3)]) == 0.2
+    # All miss too many; nothing picked at all has no rate.
+    assert choose_feasible_below([point(0.5, 0.5, 0.4), point(0.2, None, 1.0)]) == 0.5
+    assert choose_feasible_below([point(0.5, None, 0.0), point(0.2, None, 0.0)]) == 0.5

@@ -1,0 +1,97 @@
+"""A dataset folder in, metrics out: training from disk, and the same figures from a checkpoint and its ONNX file."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from footsel.dataset.store import MANIFEST, open_dataset, shard_path, summarise, write_json, write_shard
+from footsel.errors import InputError, ModelError
+from footsel.exporting.onnx_file import to_onnx, with_contract
+from footsel.footholds import DISTANCE_WEIGHT, LegLayout
+from footsel.footholds.encoding import InputEncoding
+from footsel.learning.checkpoint import load_network
+from footsel.learning.evaluate import evaluate_model, find_models
+from footsel.learning.recipe import Recipe
+from footsel.learning.train import train
+from footsel.robot import load_robot
+from footsel.runtime.contract import ModelContract
+
+
+@pytest.fixture(scope="module")
+def dataset_dir(make_samples, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("dataset")
+    shards = [make_samples(12, 1), make_samples(6, 2)]
+    for number, shard in enumerate(shards):
+        write_shard(shard_path(folder, "front", number), shard)
+    write_json(
+        folder / MANIFEST,
+        {"config": {"robot": "anymal_b"}, "pairs": {"front": summarise(folder, "front", len(shards))}},
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(dataset_dir, tmp_path_factory):
+    out = tmp_path_factory.mktemp("run")
+    train(dataset_dir, out, "front", replace(Recipe.load("footsel"), batch_size=6), epochs=1)
+    return out
+
+
+def test_training_from_disk_holds_the_last_shard_back(dataset_dir, run):
+    _, info = load_network(run / "front")
+    assert info["maps"] == {"training": 12, "validation": 6} and info["robot"] == "anymal_b"
+    assert info["dataset_sha256"] == open_dataset(dataset_dir).sha256
+    assert info["layout"] == load_robot("anymal_b").layout.to_dict()
+    with pytest.raises(InputError, match="has no hind legs"):
+        train(dataset_dir, run, "hind", Recipe.load("footsel"))
+
+
+def test_checkpoint_and_onnx_give_the_same_figures(dataset_dir, run, tmp_path):
+    net, info = load_network(run / "front")
+    contract = ModelContract(
+        robot=info["robot"],
+        pair=info["pair"],
+        layout=LegLayout.from_dict(info["layout"]),
+        encoding=InputEncoding.from_dict(info["encoding"]),
+        classes=info["classes"],
+        feasible_below=info["feasible_below"],
+        distance_weight=DISTANCE_WEIGHT,
+        recipe=info["recipe"]["name"],
+        dataset_sha256=info["dataset_sha256"],
+        version=info["version"],
+    )
+    (tmp_path / "front.onnx").write_bytes(with_contract(to_onnx(net, net.in_channels), contract))
+    out = tmp_path / "metrics.json"
+    ours = evaluate_model(run, dataset_dir, out)
+    assert json.loads(out.read_text()) == ours
+    exported = evaluate_model(tmp_path / "front.onnx", dataset_dir)
+    assert ours["networks"].keys() == exported["networks"].keys() == {"front"}
+    checkpoint, onnx = (figures["networks"]["front"] for figures in (ours, exported))
+    assert checkpoint["feasible_below"] == onnx["feasible_below"]
+    assert set(checkpoint["families"]) == {"steps", "blocks"} and checkpoint["all"]["maps"] == 18
+    ours, theirs = flat(checkpoint["all"]), flat(onnx["all"])
+    assert ours.keys() == theirs.keys() and len(ours) > 20
+    for key, value in ours.items():
+        assert theirs[key] == (None if value is None else pytest.approx(value, rel=1e-4, abs=1e-4)), key
+
+
+def flat(figures):
+    """{"cells.accuracy": ...}, of dictionaries within dictionaries."""
+    pairs = {}
+    for key, value in figures.items():
+        inner = flat(value) if isinstance(value, dict) else {"": value}
+        pairs |= {f"{key}.{name}".rstrip("."): number for name, number in inner.items()}
+    return pairs
+
+
+def test_only_the_families_asked_for(dataset_dir, run):
+    figures = evaluate_model(run, dataset_dir, families=["steps"])["networks"]["front"]
+    assert list(figures["families"]) == ["steps"] and figures["all"]["maps"] == 9
+    with pytest.raises(InputError, match="no maps of these families"):
+        evaluate_model(run, dataset_dir, families=["moon"])
+
+
+def test_nothing_to_evaluate_is_said(tmp_path):
+    with pytest.raises(ModelError, match="no trained network at"):
+        find_models(tmp_path)
