@@ -29,20 +29,26 @@ POSITION_GOAL = 1e-13
 #: A descent ends when an iteration leaves more than this share of the squared error.
 STAGNATION = 0.99
 MAX_ITERATIONS = 60
+#: The least damping: keeps a step from a singular configuration finite.
+SINGULAR_DAMPING = 1e-12
 #: Seeds beside the nominal stance: these fractions of each joint's range, where they lie on its branch. They reach into
-#: the corners of the range: with 8 seeds near its middle, 17 of 44,000 configurations at the limits were not found.
+#: the corners of the range: ten seeds nearer its middle missed 17 of 44,000 configurations, all at the limits.
 SEED_FRACTIONS = ((0.05, 0.95), (0.15, 0.35, 0.65, 0.85), (0.1, 0.5, 0.9))
 #: Joint angles this far beyond a limit are within it (rounding), in [rad].
 ANGLE_TOLERANCE = 1e-9
 
-#: The margin search: evenly spread directions, the step of the march along each, and its bisection in [m].
-DIRECTIONS = 600
+#: The margin search: so many directions are marched from the foot itself; further ones begin where the directions
+#: before them have spread further apart than the spacing. Step of the march, its bisection. [m]
+LEAST_DIRECTIONS = 200
+SPACING = 0.015
 MARCH_STEP = 0.0025
-BISECTION_TOLERANCE = 1e-5
+BISECTION_TOLERANCE = 5e-5
 #: The nearest hits are refined on rings of these angles around their directions, in [rad].
 REFINED_DIRECTIONS = 4
 RING_ANGLES = (0.08, 0.04, 0.02, 0.01, 0.005)
 RING_SIZE = 8
+#: A refined direction is marched over this last part of its length, in [m].
+RING_DEPTH = 0.01
 
 #: Unknown cells are lowered to this depth below the lowest known cell, out of the way of every leg, in [m].
 FLOOR_DEPTH = 1.0
@@ -70,7 +76,13 @@ class CellLabel:
 
 
 def brute_force_cell(
-    robot: Robot, local_map: LocalMap, leg: str, roll: float, pitch: float, cell: tuple[int, int], with_margin: bool = True
+    robot: Robot,
+    local_map: LocalMap,
+    leg: str,
+    roll: float,
+    pitch: float,
+    cell: tuple[int, int],
+    with_margin: bool = True,
 ) -> CellLabel:
     """The label of one cell (i, j) of the local map of a leg, the base tilted by roll and pitch in [rad]."""
     return _oracle(robot, leg).label_cell(local_map, roll, pitch, cell, with_margin)
@@ -103,9 +115,12 @@ class BruteForceOracle:
         self._terrain: tuple[LocalMap, Any] | None = None
 
     def label(
-        self, local_map: LocalMap, roll: float, pitch: float, with_margin: bool = True
+        self, local_map: LocalMap, roll: float, pitch: float, with_margin: bool = False
     ) -> tuple[NDArray[np.uint8], Vector]:
-        """Reason and cost (n, n) of every cell, one after another, as `label_cell` gives them."""
+        """Reason and cost (n, n) of every cell, one after another, as `label_cell` gives them.
+
+        With margins this takes over a second for each feasible cell.
+        """
         reason, cost = np.zeros(local_map.heights.shape, dtype=np.uint8), np.zeros(local_map.heights.shape)
         for i in range(local_map.cells):
             for j in range(local_map.cells):
@@ -124,7 +139,7 @@ class BruteForceOracle:
             return CellLabel(Reason.UNKNOWN, INFEASIBLE_COST, np.nan, np.nan, None)
         c_m = terrain_cost(local_map, cell)
         tilt = tilt_rotation(roll, pitch)
-        centre = tilt.T @ (contact + [0.0, 0.0, self.robot.description.foot_radius])
+        centre = tilt.T @ (contact + np.array([0.0, 0.0, self.robot.description.foot_radius]))
         angles = self.inverse(centre)
         if angles is None:
             return CellLabel(Reason.KINEMATIC_RANGE, INFEASIBLE_COST, np.nan, c_m, None)
@@ -144,51 +159,54 @@ class BruteForceOracle:
         foot = pin.updateFramePlacement(self._model, self._data, self._foot)
         return np.asarray(foot.translation - self.robot.layout.hips[self.leg])
 
-    def inverse(self, centre: Vector, first_seed: Vector | None = None) -> Vector | None:
+    def inverse(self, centre: Vector) -> Vector | None:
         """Angles (3,) within the limits, on the nominal stance's branch, that put the foot on `centre`; None if none.
 
         A descent that ends on another branch or beyond a limit does not count, and the next seed is tried.
         """
-        for seed in self._seeds if first_seed is None else [first_seed, *self._seeds]:
+        for seed in self._seeds:
             angles = self._descend(seed, centre)
-            within = (angles >= self._low - ANGLE_TOLERANCE) & (angles <= self._high + ANGLE_TOLERANCE)
-            reached = np.linalg.norm(self.forward(angles) - centre) < POSITION_TOLERANCE
-            if within.all() and reached and self._on_branch(angles):
+            if angles is not None and self._on_branch(angles) and self._within_limits(angles):
                 return angles
         return None
 
-    def _descend(self, seed: Vector, centre: Vector) -> Vector:
-        """Levenberg-Marquardt from one seed, damped by the squared error (Sugihara 2011, IEEE Trans. Robotics 27)."""
-        angles, target = seed.copy(), centre + self.robot.layout.hips[self.leg]
+    def _descend(self, seed: Vector, centre: Vector) -> Vector | None:
+        """Angles that put the foot on `centre`, from one seed; None if the descent ends elsewhere.
+
+        Levenberg-Marquardt, damped by the squared error (Sugihara 2011, IEEE Transactions on Robotics 27).
+        """
+        angles, target = seed, centre + self.robot.layout.hips[self.leg]
         previous = np.inf
         for _ in range(MAX_ITERATIONS):
-            jacobian = pin.computeFrameJacobian(
-                self._model, self._data, angles, self._foot, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )[:3]
+            jacobian = pin.computeFrameJacobian(self._model, self._data, angles, self._foot, pin.LOCAL_WORLD_ALIGNED)[
+                :3
+            ]
             error = target - pin.updateFramePlacement(self._model, self._data, self._foot).translation
             square = error @ error
             if square < POSITION_GOAL**2 or square > STAGNATION * previous:
                 break
             previous = square
-            damping = (square + 1e-12) * np.eye(3)
-            angles += np.linalg.solve(jacobian.T @ jacobian + damping, jacobian.T @ error)
-        return np.asarray(np.pi - (np.pi - angles) % (2 * np.pi))
+            hessian = jacobian.T @ jacobian
+            hessian.flat[::4] += square + SINGULAR_DAMPING
+            angles = angles + np.linalg.solve(hessian, jacobian.T @ error)
+        return np.pi - (np.pi - angles) % (2 * np.pi) if square < POSITION_TOLERANCE**2 else None
+
+    def _within_limits(self, angles: Vector) -> bool:
+        return bool((angles >= self._low - ANGLE_TOLERANCE).all() and (angles <= self._high + ANGLE_TOLERANCE).all())
 
     def _on_branch(self, angles: Vector) -> bool:
         """Whether the foot is below the HFE axis along the z axis of the HAA link; the limits fix the knee's side."""
         pin.forwardKinematics(self._model, self._data, angles)
         foot = pin.updateFramePlacement(self._model, self._data, self._foot)
         haa, hfe = (self._data.oMi[joint] for joint in self._joints[:2])
-        return bool((haa.rotation.T @ (foot.translation - hfe.translation))[2] < 0)
+        return bool(haa.rotation[:, 2] @ (foot.translation - hfe.translation) < 0)
 
     def self_collides(self, angles: Vector) -> bool:
         """Whether the swing leg touches the base or another leg, pair by pair."""
-        return bool(
-            pin.computeCollisions(self._model, self._data, self._geometry, self._geometry_data, angles, True)
-        )
+        return bool(pin.computeCollisions(self._model, self._data, self._geometry, self._geometry_data, angles, True))
 
     def terrain_collides(self, angles: Vector, local_map: LocalMap, tilt: Vector) -> bool:
-        """Whether thigh or trimmed shank touch the terrain. tilt: (3, 3) rotation from the base to the heading frame."""
+        """Whether thigh or trimmed shank touch the terrain; tilt (3, 3) turns the base frame into the heading frame."""
         if self._terrain is None or self._terrain[0] is not local_map:
             self._terrain = local_map, terrain_solid(local_map)
         terrain = self._terrain[1]
@@ -206,44 +224,64 @@ class BruteForceOracle:
     def margin(self, centre: Vector, angles: Vector) -> float:
         """Distance from a free foot centre to the nearest position out of range or in self-collision, in [m].
 
-        Every direction is marched; the nearest hits are then refined by turning them ever less. A part of the border
-        that is thinner than the march or than the gap between two directions may be missed.
+        The foot is marched in all directions up to the nearest hit; the nearest directions are then refined by turning
+        them ever less. A part of the border thinner than the march or the spacing may be missed.
         """
-        hits: list[tuple[float, int]] = []
-        directions = _sphere_directions(DIRECTIONS)
-        for index, direction in enumerate(directions):
-            nearest = min(hits)[0] if hits else np.inf
-            length = self._free_length(centre, angles, direction, nearest + MARCH_STEP)
+        hits: list[tuple[float, list[float]]] = []
+        nearest, index, start = np.inf, 0, 0.0
+        while start < nearest:
+            direction = _direction(index)
+            length = self._free_length(centre, angles, direction, start, nearest + MARCH_STEP)
             if length < np.inf:
-                hits.append((length, index))
-        return min(self._refined(centre, angles, directions[index]) for _, index in sorted(hits)[:REFINED_DIRECTIONS])
+                hits.append((length, direction.tolist()))
+                nearest = min(nearest, length)
+            index += 1
+            start = 0.0 if index < LEAST_DIRECTIONS else SPACING * np.sqrt(index / (4 * np.pi))
+        best = [np.array(direction) for _, direction in sorted(hits)[:REFINED_DIRECTIONS]]
+        return min(self._refined(centre, angles, direction) for direction in best)
 
     def _refined(self, centre: Vector, angles: Vector, direction: Vector) -> float:
-        """The least free length near a direction."""
+        """The least free length near a direction, in [m]."""
         least = self._free_length(centre, angles, direction)
         for angle in RING_ANGLES:
             for neighbour in _ring(direction, angle):
-                length = self._free_length(centre, angles, neighbour, least)
+                start = max(least - RING_DEPTH, 0.0)
+                length = self._free_length(centre, angles, neighbour, start, least)
                 if length < least:
                     least, direction = length, neighbour
         return least
 
-    def _free_length(self, centre: Vector, angles: Vector, direction: Vector, longest: float = np.inf) -> float:
-        """How far the foot moves along a unit direction until it is not free; inf if that is beyond `longest`. [m]"""
-        free, blocked = 0.0, MARCH_STEP
+    def _free_length(
+        self, centre: Vector, angles: Vector, direction: Vector, start: float = 0.0, longest: float = np.inf
+    ) -> float:
+        """How far the foot moves along a unit direction until it is not free; inf if that is beyond `longest`. [m]
+
+        The march begins at `start` if the foot is free there, else at the foot itself.
+        """
+        at_start = self._free_angles(centre + start * direction, angles)
+        free, angles = (start, at_start) if at_start is not None else (0.0, angles)
+        blocked = min(free + MARCH_STEP, longest)
         while (ahead := self._free_angles(centre + blocked * direction, angles)) is not None:
             if blocked >= longest:
                 return np.inf
-            free, blocked, angles = blocked, blocked + MARCH_STEP, ahead
+            free, blocked, angles = blocked, min(blocked + MARCH_STEP, longest), ahead
         while blocked - free > BISECTION_TOLERANCE:
             middle = (free + blocked) / 2
             ahead = self._free_angles(centre + middle * direction, angles)
             free, blocked, angles = (free, middle, angles) if ahead is None else (middle, blocked, ahead)
         return blocked
 
-    def _free_angles(self, centre: Vector, seed: Vector) -> Vector | None:
-        """The angles at a position of the self-collision-free workspace, None outside of it."""
-        angles = self.inverse(centre, seed)
+    def _free_angles(self, centre: Vector, neighbour: Vector) -> Vector | None:
+        """The angles at a position of the self-collision-free workspace, None outside of it.
+
+        neighbour: the angles of a free position next to it. What is followed from there is the one configuration of the
+        branch at this position, so a limit that it breaks settles the matter; leaving the branch does not.
+        """
+        angles = self._descend(neighbour, centre)
+        if angles is None or not self._on_branch(angles):
+            angles = self.inverse(centre)
+        elif not self._within_limits(angles):
+            return None
         return None if angles is None or self.self_collides(angles) else angles
 
 
@@ -287,14 +325,16 @@ def _oracle(robot: Robot, leg: str) -> BruteForceOracle:
     return BruteForceOracle(robot, leg)
 
 
-@cache
-def _sphere_directions(count: int) -> Vector:
-    """(count, 3) unit vectors of a Fibonacci lattice, shuffled so that the first ones already face every side."""
-    index = np.arange(count) + 0.5
-    z, turn = 1 - 2 * index / count, index * np.pi * (1 + 5**0.5)
-    ring = np.sqrt(1 - z**2)
-    directions = np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=-1)
-    return np.random.default_rng(0).permutation(directions)
+def _direction(index: int) -> Vector:
+    """Unit vector of a sequence that spreads evenly over the sphere, however far it is taken.
+
+    Roberts' R2 sequence (2018), which generalises the golden ratio to two dimensions.
+    """
+    plastic = 1.32471795724474602596
+    z = 1 - 2 * ((0.5 + index / plastic) % 1)
+    turn = 2 * np.pi * (index / plastic**2 % 1)
+    ring = np.sqrt(1 - z * z)
+    return np.array([ring * np.cos(turn), ring * np.sin(turn), z])
 
 
 def _ring(direction: Vector, angle: float) -> list[Vector]:

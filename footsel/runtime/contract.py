@@ -1,13 +1,16 @@
 """The contract that travels in an ONNX file's metadata: everything a runtime needs to use the network."""
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from footsel.errors import ModelError
+from footsel.errors import InputError, ModelError
+from footsel.footholds.cost import CLASSES
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.layout import LegLayout
+from footsel.legs import check_pair
 
 #: Raised when the meaning of a field changes; a runtime refuses every other number.
 SCHEMA = 1
@@ -25,6 +28,8 @@ class ModelContract:
     feasible_below: a cell is feasible if its probability of the class "infeasible" is below this.
     distance_weight: k of the final cost, in [cost / m].
     recipe, dataset_sha256, version: where the weights come from.
+
+    Raises InputError for a value out of its range.
     """
 
     robot: str
@@ -37,6 +42,15 @@ class ModelContract:
     recipe: str
     dataset_sha256: str
     version: str
+
+    def __post_init__(self) -> None:
+        check_pair(self.pair)
+        if self.classes != CLASSES:
+            raise InputError(f"the contract has {self.classes} classes", f"expected {CLASSES}")
+        if not 0 < self.feasible_below <= 1:
+            raise InputError(f"feasible_below is {self.feasible_below}", "expected a probability above 0")
+        if not (math.isfinite(self.distance_weight) and self.distance_weight >= 0):
+            raise InputError(f"distance_weight is {self.distance_weight}", "expected a cost per metre of 0 or more")
 
     def to_json(self) -> str:
         """The metadata entry."""
@@ -62,11 +76,15 @@ class ModelContract:
             raise ModelError(f"{source} carries no footsel contract", "use a model written by `footsel export`")
         try:
             values: dict[str, Any] = json.loads(metadata[METADATA_KEY])
-            if values["schema"] != SCHEMA:
-                raise ModelError(
-                    f"{source} has contract schema {values['schema']}, this footsel reads {SCHEMA}",
-                    "export the model again with this version",
-                )
+            schema = values["schema"]
+        except (KeyError, TypeError, ValueError) as error:
+            raise _damaged(source, error) from None
+        if schema != SCHEMA:
+            raise ModelError(
+                f"{source} has contract schema {schema}, this footsel reads {SCHEMA}",
+                "export the model again with this version",
+            )
+        try:
             return cls(
                 robot=str(values["robot"]),
                 pair=str(values["pair"]),
@@ -79,5 +97,9 @@ class ModelContract:
                 dataset_sha256=str(values["dataset_sha256"]),
                 version=str(values["version"]),
             )
-        except (KeyError, TypeError, ValueError) as error:
-            raise ModelError(f"{source} has a damaged footsel contract ({error!r})", "export the model again") from None
+        except (KeyError, TypeError, ValueError, InputError) as error:
+            raise _damaged(source, error) from None
+
+
+def _damaged(source: str, error: Exception) -> ModelError:
+    return ModelError(f"{source} has a damaged footsel contract ({error!r})", "export the model again")

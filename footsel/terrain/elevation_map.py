@@ -113,7 +113,7 @@ class ElevationMap:
         nearest = np.floor(index + 0.5).astype(np.intp)
         i, j = nearest[..., 0], nearest[..., 1]
         inside = (i >= 0) & (i < nx) & (j >= 0) & (j < ny)
-        known = inside & self.known[np.where(inside, i, 0), np.where(inside, j, 0)]
+        known = inside & ~np.isnan(self.elevation[np.where(inside, i, 0), np.where(inside, j, 0)])
 
         inner = np.clip(index, 0, np.array([nx - 1, ny - 1]))
         low = np.minimum(inner.astype(np.intp), np.array([nx - 2, ny - 2]))

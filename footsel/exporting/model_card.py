@@ -1,0 +1,157 @@
+"""The model card: what the networks are, what exactly was run, how good they are, their limits, how to remake them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from footsel.legs import PAIRS, TRAINED_LEG
+
+#: Key path in a pair's validation metrics -> row of the card's table, and the format of its value.
+_METRIC_ROWS: tuple[tuple[tuple[str, str], str, str], ...] = (
+    (("cells_likeliest", "accuracy"), "class accuracy, most probable of 14 classes (as the paper measures)", "{:.2%}"),
+    (("cells_likeliest", "miou"), "mean IoU of the same, absent classes as 0", "{:.3f}"),
+    (("cells_likeliest", "miou_present"), "mean IoU of the same, present classes", "{:.3f}"),
+    (("cells", "accuracy"), "class accuracy by the selector's rule", "{:.2%}"),
+    (("cells", "cost_mae"), "mean absolute cost error where both say feasible, of 255", "{:.2f}"),
+    (("cells", "false_safe_rate"), "false safe: infeasible cells called feasible", "{:.2%}"),
+    (("cells", "false_unsafe_rate"), "false unsafe: feasible cells called infeasible", "{:.2%}"),
+    (("picks", "infeasible_rate"), "picks that the oracle rejects", "{:.2%}"),
+    (("picks", "missed"), "no answer although there is a foothold, maps", "{:d}"),
+    (("picks", "regret_mean"), "mean regret of a pick, final cost", "{:.2f}"),
+)
+
+
+def model_card(
+    infos: Mapping[str, Mapping[str, Any]], parity: Mapping[str, Mapping[str, Any]], sizes: Mapping[str, int]
+) -> str:
+    """Markdown text of model_card.md.
+
+    infos: pair -> header of the trained model (footsel.learning.checkpoint). parity: pair -> variant -> report.
+    sizes: network file -> bytes.
+    """
+    robot = infos["front"]["robot"]
+    return "\n".join(
+        [
+            f"# Foothold networks for {robot}",
+            "",
+            "For every cell of a 40x40 local map under a leg, the cost of stepping there in thirteen classes, or that",
+            "the cell is not feasible: out of kinematic range, in self-collision, in collision with terrain. One",
+            "network serves the front legs, one the hind legs; each was trained for the left leg, the right one is",
+            "mirrored. The architecture is ERFNet, after Belter et al., ICRA 2019.",
+            "",
+            "Made for `footsel.runtime.FootholdSelector`; all that it needs of the robot is in the files' metadata.",
+            "",
+            *_section("Files", _files(sizes)),
+            *_section("What was run", _training(infos)),
+            *_section("Validation", _validation(infos)),
+            *_section("The files against the trained network", _parity(parity)),
+            *_section("Limits", _limits(infos)),
+            *_section("Remake it", _commands(infos, int8=any("int8" in reports for reports in parity.values()))),
+        ]
+    )
+
+
+def _section(title: str, lines: list[str]) -> list[str]:
+    return [f"## {title}", "", *lines, ""]
+
+
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    return ["| " + " | ".join(row) + " |" for row in (head, ("---",) * len(head), *rows)]
+
+
+def _files(sizes: Mapping[str, int]) -> list[str]:
+    rows = [(f"`{name}`", f"{size / 1e6:.2f} MB") for name, size in sorted(sizes.items())]
+    rows += [
+        ("`metrics.json`", "figures of the validation maps"),
+        ("`parity.json`", "the files against the trained networks"),
+        ("`SHA256SUMS`", "`sha256sum -c SHA256SUMS` checks the folder, as the loader does"),
+    ]
+    return _table(("file", "content"), rows)
+
+
+def _training(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    def row(name: str, value: Any) -> tuple[str, ...]:
+        return (name, *(str(value(infos[pair])) for pair in PAIRS))
+
+    keys = [key for key in infos["front"]["recipe"] if key not in ("name", "epochs")]
+    rows = [
+        row("trained leg", lambda info: TRAINED_LEG[info["pair"]]),
+        row("recipe", lambda info: info["recipe"]["name"]),
+        row("training maps", lambda info: info["maps"]["training"]),
+        row("validation maps", lambda info: info["maps"]["validation"]),
+        row("data set SHA-256", lambda info: f"`{info['dataset_sha256'][:16]}…`"),
+        row("epochs", lambda info: f"{info['epochs_done']} of {info['recipe']['epochs']}"),
+        row("seed", lambda info: info["seed"]),
+        row("cell feasible if p(infeasible) <", lambda info: info["feasible_below"]),
+        row("footsel", lambda info: info["version"]),
+        *(row(f"recipe: {key}", lambda info, key=key: _plain(info["recipe"].get(key))) for key in keys),
+    ]
+    return _table(("", *PAIRS), rows)
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return ", ".join(map(str, value))
+    return "-" if value is None else str(value)
+
+
+def _validation(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    rows = []
+    for (group, key), label, form in _METRIC_ROWS:
+        values = [infos[pair]["validation"].get(group, {}).get(key) for pair in PAIRS]
+        rows.append((label, *("-" if value is None else form.format(value) for value in values)))
+    return [
+        "On the data set's validation maps, from courses that training never saw, of the same terrain families.",
+        "The full set of figures is in `metrics.json`.",
+        "",
+        *_table(("", *PAIRS), rows),
+    ]
+
+
+def _parity(parity: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    head = ("network", "variant", "maps", "largest logit difference", "cells of another class", "of them no tie")
+    rows = [
+        (
+            pair,
+            variant,
+            str(report["maps"]),
+            f"{report['max_logit_difference']:.2g}",
+            f"{report['class_differs']} of {report['cells']}",
+            str(report["class_differs_beyond_ties"]),
+        )
+        for pair, reports in parity.items()
+        for variant, report in reports.items()
+    ]
+    return _table(head, rows)
+
+
+def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    front = infos["front"]
+    layout, planes = front["layout"], front["encoding"]["planes"]
+    lines = [
+        f"- One robot: {front['robot']}, cells of {layout['resolution'] * 100:g} cm, terrain down to "
+        f"{layout['height_range']:g} m below the hip point. Deeper ground looks like ground at that depth.",
+        "- Trained on generated terrain and an exact map. Sensor noise and drift were not part of the labels.",
+        "- A network errs: see the picks that the oracle rejects. Where a wrong step is costly, let an exact check",
+        "  confirm the pick (`select(..., verify=...)`).",
+        "- It judges where a foot stands, not how it gets there: the swing is for the planner to check.",
+    ]
+    if "unknown" not in planes:
+        lines.append("- Unknown cells look like the deepest ground to this network. They are never picked.")
+    if "roll" not in planes:
+        lines.append("- The network does not see the base's tilt.")
+    return lines
+
+
+def _commands(infos: Mapping[str, Mapping[str, Any]], int8: bool) -> list[str]:
+    front = infos["front"]
+    recipe, maps = front["recipe"]["name"], front["maps"]["training"] + front["maps"]["validation"]
+    return [
+        "```sh",
+        "pip install 'footsel[train]'",
+        f"footsel dataset DATA --legs front hind --maps {maps} --recipe {recipe} --robot {front['robot']}",
+        f"footsel train DATA RUN --recipe {recipe} --legs front hind --seed {front['seed']}",
+        f"footsel export RUN OUT{' --int8' if int8 else ''}",
+        "```",
+        "",
+        "The seed and the families of the data set are in its `manifest.json`.",
+    ]

@@ -1,0 +1,48 @@
+"""Static 8-bit quantisation of an exported network (QDQ, unsigned activations, signed weights per channel)."""
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import onnx
+from numpy.typing import NDArray
+from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
+from onnxruntime.quantization.shape_inference import quant_pre_process
+
+from footsel.exporting.onnx_file import strip
+
+_BATCH = 20
+
+
+class _Batches(CalibrationDataReader):  # type: ignore[misc]
+    """Calibration inputs, a batch at a time."""
+
+    def __init__(self, name: str, planes: NDArray[np.float32]) -> None:
+        self._batches: Iterator[dict[str, NDArray[np.float32]]] = (
+            {name: planes[start : start + _BATCH]} for start in range(0, len(planes), _BATCH)
+        )
+
+    def get_next(self) -> dict[str, NDArray[np.float32]] | None:
+        """The next batch, None after the last."""
+        return next(self._batches, None)
+
+
+def quantised(model: onnx.ModelProto, planes: NDArray[np.float32]) -> onnx.ModelProto:
+    """The model in 8 bits, its activation ranges taken from running `planes` (n, in_channels, 40, 40) through it."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, prepared, target = (Path(folder) / name for name in ("source.onnx", "prepared.onnx", "target.onnx"))
+        onnx.save(model, source)
+        quant_pre_process(str(source), str(prepared))
+        quantize_static(
+            str(prepared),
+            str(target),
+            _Batches(model.graph.input[0].name, planes),
+            quant_format=QuantFormat.QDQ,
+            activation_type=QuantType.QUInt8,
+            weight_type=QuantType.QInt8,
+            per_channel=True,
+        )
+        result = onnx.load(target)
+    strip(result)
+    return result

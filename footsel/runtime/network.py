@@ -1,0 +1,92 @@
+"""One ONNX network and its contract: heights in, probabilities of the fourteen classes out."""
+
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+from numpy.typing import ArrayLike, NDArray
+
+from footsel.errors import ModelError
+from footsel.footholds.cost import softmax
+from footsel.runtime.contract import ModelContract
+from footsel.terrain import CELLS
+
+
+class Network:
+    """An onnxruntime session that keeps what its contract says. Safe to call from several threads at once."""
+
+    def __init__(self, session: onnxruntime.InferenceSession, contract: ModelContract) -> None:
+        self.contract = contract
+        self._session = session
+        self._input = session.get_inputs()[0].name
+        self._outputs = [session.get_outputs()[0].name]
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Network":
+        """Read an exported `.onnx` file; raises ModelError if it is missing, damaged, foreign or off its contract."""
+        path = Path(path)
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise ModelError(
+                f"cannot read model {path} ({error.strerror})", "give a file of `footsel export`"
+            ) from None
+        return cls.from_bytes(content, str(path))
+
+    @classmethod
+    def from_bytes(cls, content: bytes, source: str) -> "Network":
+        """As `load`, from the content of the file that messages call `source`."""
+        try:
+            session = onnxruntime.InferenceSession(content, session_options(), providers=["CPUExecutionProvider"])
+        # A damaged file meets one of a dozen onnxruntime errors whose only common base is Exception.
+        except Exception as error:
+            first_line = (str(error).strip().splitlines() or [type(error).__name__])[0]
+            raise ModelError(
+                f"{source} is damaged or no ONNX model ({first_line})", "copy or export it again"
+            ) from None
+        contract = ModelContract.from_metadata(session.get_modelmeta().custom_metadata_map, source)
+        _check_shapes(session, contract, source)
+        return cls(session, contract)
+
+    def logits(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
+        """(n, 14, 40, 40) scores before the softmax; arguments as in `probabilities`."""
+        planes = self.contract.encoding.encode(heights, roll, pitch)
+        return np.asarray(self._session.run(self._outputs, {self._input: planes})[0])
+
+    def probabilities(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
+        """(n, 14, 40, 40) probability of each class, the last is "infeasible".
+
+        heights: (n, 40, 40) terrain height relative to the trained leg's L_i, NaN = unknown, in [m].
+        roll, pitch: (n,) or scalar tilt of the base, in [rad].
+        """
+        return softmax(self.logits(heights, roll, pitch), axis=1)
+
+
+def session_options() -> onnxruntime.SessionOptions:
+    """One thread that sleeps when idle: a second gains nothing here, and spinning starves the robot's controller."""
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = 1
+    options.inter_op_num_threads = 1
+    options.execution_mode = onnxruntime.ExecutionMode.ORT_SEQUENTIAL
+    options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_ALL
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # Failures reach the caller as exceptions; onnxruntime need not print them as well.
+    options.log_severity_level = 4
+    return options
+
+
+def _check_shapes(session: onnxruntime.InferenceSession, contract: ModelContract, source: str) -> None:
+    """Refuse a graph whose one input and one output are not what the contract says, with a free batch axis."""
+    expected = {
+        "input": [len(contract.encoding.planes), CELLS, CELLS],
+        "output": [contract.classes, CELLS, CELLS],
+    }
+    for role, ports in (("input", session.get_inputs()), ("output", session.get_outputs())):
+        found = [list(port.shape) for port in ports]
+        free_batch = len(found) == 1 and bool(found[0]) and not isinstance(found[0][0], int)
+        if not free_batch or found[0][1:] != expected[role] or ports[0].type != "tensor(float)":
+            raise ModelError(
+                f"{source} has {role} {found} of {[port.type for port in ports]}, "
+                f"its contract says one float tensor of [n, {', '.join(map(str, expected[role]))}]",
+                "export the model again",
+            )

@@ -1,0 +1,78 @@
+"""A run of two untrained networks, whose normalisations are as uneven as after a training, and its export."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import torch
+from torch import nn
+
+from footsel.exporting import export_run as export_run_module
+from footsel.exporting.export_run import export_run
+from footsel.footholds import LegLayout
+from footsel.learning.checkpoint import save_model
+from footsel.learning.erfnet import ERFNet
+from footsel.learning.recipe import Recipe
+
+PARITY_MAPS = 60
+
+
+def uneven_network(seed: int, planes: int = 4) -> ERFNet:
+    """Logits that spread over several units, negative and positive scales in every normalisation."""
+    torch.manual_seed(seed)
+    network = ERFNet(planes)
+    for module in network.modules():
+        if isinstance(module, nn.BatchNorm2d):
+            nn.init.uniform_(module.weight, -0.5, 1.5)
+            nn.init.normal_(module.bias, 0, 0.5)
+            module.running_mean.normal_(0, 0.3)
+            module.running_var.uniform_(0.02, 0.5)
+    nn.init.normal_(network.decoder[-1].weight, 0, 0.4)
+    return network.eval()
+
+
+def write_run(run: Path, layout: LegLayout, recipe: str = "footsel", **changes: object) -> Mapping[str, ERFNet]:
+    """The files of `footsel train` that an export reads."""
+    networks = {}
+    for seed, pair in enumerate(("front", "hind")):
+        used = Recipe.load(recipe)
+        network = networks[pair] = uneven_network(seed, len(used.planes))
+        info: dict[str, Any] = {
+            "robot": "anymal_b",
+            "pair": pair,
+            "layout": layout.to_dict(),
+            "recipe": used.to_dict(),
+            "encoding": used.encoding(layout.height_range).to_dict(),
+            "in_channels": network.in_channels,
+            "classes": network.classes,
+            "class_shares": [1 / 14] * 14,
+            "dataset_sha256": "ab" * 32,
+            "maps": {"training": 900, "validation": 100},
+            "seed": seed,
+            "epochs_done": 1,
+            "feasible_below": 0.1,
+            "validation": {"maps": 100, "cells": {"accuracy": 0.875, "cost_mae": None}, "picks": {"missed": 3}},
+            "version": "0.1.0",
+        }
+        folder = run / pair
+        folder.mkdir(parents=True)
+        save_model(folder, network.state_dict(), {**info, **changes})
+    return networks
+
+
+@pytest.fixture(scope="session")
+def makers() -> SimpleNamespace:
+    return SimpleNamespace(uneven_network=uneven_network, write_run=write_run)
+
+
+@pytest.fixture(scope="session")
+def released(tmp_path_factory: pytest.TempPathFactory, anymal_layout: LegLayout) -> SimpleNamespace:
+    """run: the folder of the training. out: its export, both variants. networks: pair -> network in torch."""
+    root = tmp_path_factory.mktemp("export")
+    networks = write_run(root / "run", anymal_layout)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(export_run_module, "CALIBRATION_MAPS", 60)
+        out = export_run(root / "run", root / "out", int8=True, parity_maps=PARITY_MAPS)
+    return SimpleNamespace(run=root / "run", out=out, networks=networks)

@@ -1,0 +1,216 @@
+"""From a run to a model folder that the runtime loads and that answers as the trained network."""
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import onnx
+import pytest
+import torch
+
+from footsel import ElevationMap
+from footsel.errors import InputError, ModelError
+from footsel.exporting import export_run as module
+from footsel.exporting.export_run import export_run
+from footsel.exporting.model_card import model_card
+from footsel.exporting.parity import TIE
+from footsel.exporting.trial_maps import trial_maps
+from footsel.footholds import DISTANCE_WEIGHT
+from footsel.learning.checkpoint import load_network
+from footsel.legs import PAIRS, TRAINED_LEG
+from footsel.runtime import FootholdSelector, Network
+from footsel.terrain.courses import make_course
+
+FILES = {"front.onnx", "hind.onnx", "front.int8.onnx", "hind.int8.onnx"}
+PAPERS = {"model_card.md", "metrics.json", "parity.json"}
+
+
+def test_the_folder_holds_what_a_release_holds(released):
+    assert {path.name for path in released.out.iterdir()} == FILES | PAPERS | {"SHA256SUMS"}
+    sums = dict(reversed(line.split("  ")) for line in (released.out / "SHA256SUMS").read_text().splitlines())
+    assert set(sums) == FILES | PAPERS
+    for name, digest in sums.items():
+        assert hashlib.sha256((released.out / name).read_bytes()).hexdigest() == digest
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_torch_and_onnxruntime_agree_on_500_maps(released, anymal_layout, pair):
+    """Other maps than those of the export's own check, holes and borders among them."""
+    maps = trial_maps(anymal_layout, TRAINED_LEG[pair], 500, seed=123)
+    assert 0.02 < np.isnan(maps.heights).mean() < 0.5
+    exported = Network.load(released.out / f"{pair}.onnx")
+    planes = exported.contract.encoding.encode(maps.heights, maps.roll, maps.pitch)
+    with torch.no_grad():
+        expected = np.concatenate(
+            [released.networks[pair](torch.from_numpy(part)).numpy() for part in np.split(planes, 10)]
+        )
+    found = np.concatenate(
+        [exported.logits(maps.heights[n : n + 1], maps.roll[n], maps.pitch[n]) for n in range(len(maps))]
+    )
+    best, second = -np.partition(-expected, 1, axis=1)[:, :2].swapaxes(0, 1)
+    differs = (found.argmax(axis=1) != expected.argmax(axis=1)) & (best - second > TIE)
+    assert not differs.any()
+    np.testing.assert_allclose(found, expected, atol=1e-3)
+    assert len(np.unique(expected.argmax(axis=1))) >= 4
+
+
+def test_the_parity_report(released):
+    report = json.loads((released.out / "parity.json").read_text())
+    for pair in PAIRS:
+        float32, int8 = report[pair]["float32"], report[pair]["int8"]
+        assert float32["maps"] == int8["maps"] == 60
+        assert float32["cells"] == 60 * 1600
+        assert float32["class_differs_beyond_ties"] == 0
+        assert float32["max_logit_difference"] < 1e-3
+        # Eight bits change something, but are the same network.
+        assert 0 < int8["class_differs"] < 0.5 * int8["cells"]
+        assert int8["max_logit_difference"] > float32["max_logit_difference"]
+
+
+def test_an_export_that_differs_is_refused_and_leaves_nothing(released, monkeypatch, tmp_path):
+    def spoiled(*_):
+        model = onnx.load(released.out / "front.onnx")
+        bias = next(tensor for tensor in model.graph.initializer if tensor.name == "decoder.6.bias")
+        wrong = onnx.numpy_helper.to_array(bias) + 0.1 * np.eye(14, dtype=np.float32)[0]
+        bias.CopyFrom(onnx.numpy_helper.from_array(wrong, bias.name))
+        return model
+
+    monkeypatch.setattr(module, "to_onnx", spoiled)
+    with pytest.raises(ModelError, match=r"front.onnx says another class .* in \d+ of 16000 cells"):
+        export_run(released.run, tmp_path / "out", parity_maps=10)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_runtime_selects_with_either_variant(released):
+    course = make_course("steps", 3, size=4.0)
+    for variant in ("float32", "int8"):
+        selector = FootholdSelector.load(released.out, variant)
+        for foothold in selector.select(course, (0, 0, 0.47, 0, 0, 0)).values():
+            assert foothold.status == "ok" or foothold.reason
+
+
+def test_a_mirrored_world_gives_the_mirrored_evaluation(released):
+    """The real network, through the real file."""
+    selector = FootholdSelector.load(released.out)
+    heights = np.random.default_rng(0).uniform(-0.7, -0.3, (4, 40, 40))
+    for left, right in (("LF", "RF"), ("LH", "RH")):
+        one, other = (
+            selector.evaluate(heights, left, 0.1, 0.05),
+            selector.evaluate(heights[..., ::-1], right, -0.1, 0.05),
+        )
+        np.testing.assert_array_equal(one.feasible, other.feasible[..., ::-1])
+        np.testing.assert_allclose(one.cost, other.cost[..., ::-1], atol=1e-3)
+
+
+def test_the_contract_is_that_of_the_run(released, anymal_layout):
+    for name in FILES:
+        contract = Network.load(released.out / name).contract
+        assert contract.layout.to_dict() == anymal_layout.to_dict()
+        assert (contract.robot, contract.pair) == ("anymal_b", name.split(".")[0])
+        assert (contract.feasible_below, contract.distance_weight) == (0.1, DISTANCE_WEIGHT)
+        assert (contract.recipe, contract.dataset_sha256) == ("footsel", "ab" * 32)
+
+
+def test_the_files_carry_nothing_of_the_machine(released):
+    for name in FILES:
+        model = onnx.load(released.out / name)
+        # Weights are numbers, in which any bytes may occur.
+        for tensor in model.graph.initializer:
+            tensor.ClearField("raw_data")
+        assert [entry.key for entry in model.metadata_props] == ["footsel"]
+        assert not re.search(rb"\.py\b|site-packages|stack_trace|/home|/root|/tmp", model.SerializeToString())
+
+
+def test_the_graph_is_simplified_and_runs_on_the_oldest_onnxruntime(released):
+    for pair in PAIRS:
+        path = released.out / f"{pair}.onnx"
+        assert path.stat().st_size < 7.6e6
+        assert (released.out / f"{pair}.int8.onnx").stat().st_size < 2.5e6
+        model = onnx.load(path)
+        assert "BatchNormalization" not in {node.op_type for node in model.graph.node}
+        assert [(entry.domain, entry.version) for entry in model.opset_import] == [("", 20)]
+        # onnxruntime 1.18, the oldest that footsel accepts, reads IR version 10.
+        assert model.ir_version <= 10
+
+
+def test_the_card_says_what_was_run(released):
+    card = (released.out / "model_card.md").read_text()
+    for words in (
+        "# Foothold networks for anymal_b",
+        "| training maps | 900 | 900 |",
+        "| epochs | 1 of 20 | 1 of 20 |",
+        "| recipe: schedule | one_cycle | one_cycle |",
+        "87.50%",
+        "| front | float32 | 60 |",
+        "footsel export RUN OUT --int8",
+    ):
+        assert words in card
+    assert json.loads((released.out / "metrics.json").read_text())["hind"]["picks"]["missed"] == 3
+
+
+def test_the_paper_recipe_is_exported(makers, anymal_layout, tmp_path):
+    makers.write_run(tmp_path, anymal_layout, recipe="paper")
+    trained, info = load_network(tmp_path / "front")
+    exported = module.export_network(trained, info, int8=False, parity_maps=20)
+    assert set(exported.files) == {"front.onnx"}
+    contract = Network.from_bytes(exported.files["front.onnx"], "front.onnx").contract
+    assert (contract.recipe, contract.encoding.planes, contract.encoding.quantised) == ("paper", ("height",), True)
+    card = model_card({"front": info, "hind": info}, {}, {})
+    assert "does not see the base's tilt" in card
+
+
+def test_a_new_export_replaces_the_old_one_whole(released, tmp_path, monkeypatch):
+    """A quantised variant of before goes away; what is not ours stays."""
+    out = shutil.copytree(released.out, tmp_path / "out")
+    (out / "notes.txt").write_text("mine")
+
+    def without_int8(_, info, *__):
+        name = f"{info['pair']}.onnx"
+        return module.ExportedPair({name: (released.out / name).read_bytes()}, {})
+
+    monkeypatch.setattr(module, "export_network", without_int8)
+    export_run(released.run, out)
+    assert {path.name for path in out.iterdir()} == {"front.onnx", "hind.onnx", "SHA256SUMS", "notes.txt"} | PAPERS
+    assert FootholdSelector.load(out).robot == "anymal_b"
+
+
+def test_a_run_without_one_pair_is_refused(released, tmp_path):
+    shutil.copytree(released.run / "front", tmp_path / "run" / "front")
+    with pytest.raises(ModelError, match=r"there is no .*hind.model.safetensors"):
+        export_run(tmp_path / "run", tmp_path / "out", parity_maps=1)
+    assert not (tmp_path / "out").exists()
+
+
+def test_pairs_that_changed_places_are_refused(released, tmp_path):
+    shutil.copytree(released.run / "hind", tmp_path / "run" / "front")
+    with pytest.raises(ModelError, match="front was trained for the hind legs"):
+        export_run(tmp_path / "run", tmp_path / "out", parity_maps=1)
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(released, tmp_path):
+    (tmp_path / "out").write_text("")
+    with pytest.raises(InputError, match="is a file; give a folder"):
+        export_run(released.run, tmp_path / "out")
+
+
+def test_flat_ground_is_answered_alike_at_any_heading(released):
+    """What depends on the heading frame alone does not change as the robot turns."""
+    selector = FootholdSelector.load(released.out)
+    flat = ElevationMap(np.zeros((200, 200)), 0.02)
+    cells = {
+        tuple(foothold.cell for foothold in selector.select(flat, (0, 0, 0.47, 0, 0, yaw)).values())
+        for yaw in (0.0, 0.4, 1.9, -2.7)
+    }
+    assert len(cells) == 1
+
+
+@pytest.mark.parametrize("package", ["torch", "onnx"])
+def test_a_missing_package_names_the_extra(package):
+    code = f"import sys; sys.modules[{package!r}] = None; import footsel.exporting; import footsel.exporting.export_run"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.endswith(f"needs the package '{package}'; run: pip install 'footsel[train]'")

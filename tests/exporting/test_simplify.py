@@ -1,0 +1,85 @@
+"""Simplification changes no output, and removes what it should."""
+
+import copy
+
+import pytest
+import torch
+from torch import nn
+
+from footsel.exporting.simplify import FoldedDownsampler, simplified, trim_padding_taps
+from footsel.learning.erfnet import Downsampler
+
+
+def parameters(network):
+    return sum(parameter.numel() for parameter in network.parameters())
+
+
+def test_every_logit_stays(makers):
+    network = makers.uneven_network(0)
+    maps = torch.rand(20, 4, 40, 40)
+    with torch.no_grad():
+        expected, found = network(maps), simplified(network, 4)(maps)
+    assert expected.std() > 1
+    torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-4)
+
+
+def test_the_network_itself_is_untouched(makers):
+    network = makers.uneven_network(0)
+    before = copy.deepcopy(network.state_dict())
+    simplified(network, 4)
+    assert all(torch.equal(value, before[name]) for name, value in network.state_dict().items())
+
+
+def test_erfnet_loses_the_outer_taps_of_dilations_8_and_16(makers):
+    network = makers.uneven_network(0, planes=1)
+    maps = torch.rand(5, 1, 40, 40)
+    with torch.no_grad():
+        expected = network(maps)
+        assert trim_padding_taps(network, maps[:1]) == 262_144
+        # Nothing but products with zero is left out.
+        torch.testing.assert_close(network(maps), expected, rtol=1e-5, atol=1e-5)
+        assert trim_padding_taps(network, maps[:1]) == 0
+
+
+@pytest.mark.parametrize("kernel", [1, 3, 5])
+@pytest.mark.parametrize("dilation", [1, 2, 3, 5, 8])
+@pytest.mark.parametrize("size", [3, 5, 8])
+@pytest.mark.parametrize("stride", [1, 2])
+def test_trimming_any_convolution(kernel, dilation, size, stride):
+    torch.manual_seed(0)
+    padding = dilation * (kernel - 1) // 2
+    network = nn.Sequential(
+        nn.Conv2d(2, 3, (kernel, 3), padding=(padding, 1), dilation=(dilation, 1), stride=(stride, 1))
+    )
+    maps = torch.rand(2, 2, size, 7)
+    with torch.no_grad():
+        expected = network(maps)
+        weight = network[0].weight.clone()
+        removed = trim_padding_taps(network, maps[:1])
+        torch.testing.assert_close(network(maps), expected)
+    # A tap is of use exactly if the output changes with it.
+    useful = 0
+    for tap in range(kernel):
+        without = weight.clone()
+        without[:, :, tap] = 0
+        out = nn.functional.conv2d(
+            maps, without, network[0].bias, (stride, 1), padding=(padding, 1), dilation=(dilation, 1)
+        )
+        useful += not torch.allclose(out, expected)
+    assert removed == (kernel - useful) * 2 * 3 * 3
+
+
+def test_taps_that_see_the_map_stay():
+    network = nn.Sequential(nn.Conv2d(1, 1, 3, padding=4, dilation=4))
+    assert trim_padding_taps(network, torch.zeros(1, 1, 5, 5)) == 0
+
+
+def test_a_folded_downsampler_is_the_downsampler(makers):
+    source = next(m for m in makers.uneven_network(1).encoder[1:] if isinstance(m, Downsampler))
+    folded = FoldedDownsampler(source)
+    maps = torch.randn(3, 16, 10, 10)
+    with torch.no_grad():
+        torch.testing.assert_close(folded(maps), source(maps), rtol=1e-5, atol=1e-5)
+    assert not any(isinstance(m, nn.BatchNorm2d) for m in folded.modules())
+    # Among the pooled channels is a negative scale, where scaling before the pooling would be wrong.
+    assert folded.affine.weight.min() < 0

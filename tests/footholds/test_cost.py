@@ -1,0 +1,77 @@
+"""The paper's cost, its classes, and the way back."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from footsel.footholds.cost import class_centres, cost_to_class, expected_cost, foothold_cost, softmax
+
+unit = st.floats(0, 1)
+
+
+@given(unit, unit)
+def test_the_paper_s_equation(margin_cost, terrain_cost):
+    assert foothold_cost(margin_cost, terrain_cost) == pytest.approx(
+        min((margin_cost + 2 * terrain_cost) / 3 * 255, 254)
+    )
+
+
+@given(unit, unit, unit, unit)
+def test_cost_never_falls_as_a_part_rises(a, b, c, d):
+    low, high = sorted((a, b)), sorted((c, d))
+    assert foothold_cost(low[0], high[0]) <= foothold_cost(low[1], high[1])
+
+
+def test_the_terrain_weighs_twice():
+    assert foothold_cost(0, 0.2) == pytest.approx(2 * foothold_cost(0.2, 0))
+
+
+def test_classes_of_every_whole_cost():
+    for cost in range(255):
+        assert cost_to_class(cost) == cost * 13 // 255
+    assert cost_to_class(255) == 13
+    assert cost_to_class(254) == 12
+
+
+@given(st.floats(0, 254.99))
+def test_a_feasible_cost_is_in_its_class_s_bin(cost):
+    class_ = int(cost_to_class(cost))
+    width = 255 / 13
+    assert class_ * width - 1e-9 <= cost < (class_ + 1) * width + 1e-9
+    assert abs(class_centres()[class_] - cost) <= width / 2 + 1e-4
+
+
+def test_each_centre_is_of_its_own_class():
+    np.testing.assert_array_equal(cost_to_class(class_centres()), np.arange(13))
+
+
+def test_softmax_against_its_definition():
+    logits = np.random.default_rng(0).normal(0, 3, (2, 14, 5, 5))
+    np.testing.assert_allclose(
+        softmax(logits, axis=1), np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True), rtol=1e-4
+    )
+
+
+def test_softmax_of_large_logits_is_finite_and_ignores_a_shift():
+    logits = np.random.default_rng(0).normal(0, 3, (14, 6)).astype(np.float32)
+    np.testing.assert_allclose(softmax(logits + 1024, axis=0), softmax(logits, axis=0), atol=1e-4)
+
+
+def test_expected_cost_is_the_mean_centre_of_the_feasible_classes():
+    probabilities = softmax(np.random.default_rng(1).normal(0, 2, (3, 14, 4, 4)), axis=1)
+    found = expected_cost(probabilities)
+    for n, i, j in np.ndindex(3, 4, 4):
+        weights = probabilities[n, :13, i, j]
+        assert found[n, i, j] == pytest.approx(np.average(class_centres(), weights=weights), rel=1e-5)
+
+
+def test_a_certain_class_costs_its_centre_and_infeasible_certainty_makes_no_nan():
+    for class_ in range(13):
+        probabilities = np.zeros((14, 1, 1))
+        probabilities[class_] = 0.3
+        probabilities[13] = 0.7
+        assert expected_cost(probabilities)[0, 0] == pytest.approx(class_centres()[class_], rel=1e-6)
+    certain = np.zeros((14, 1, 1))
+    certain[13] = 1
+    assert np.isfinite(expected_cost(certain)).all()
