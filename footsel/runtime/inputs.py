@@ -38,13 +38,3 @@ def checked_tilt(name: str, tilt: ArrayLike, maps: int) -> NDArray[np.float64]:
     if not np.isfinite(angles).all():
         raise InputError(f"{name} holds a value that is not finite", "give angles in rad")
     return angles
-
-
-def checked_point(leg: str, point: ArrayLike) -> NDArray[np.float64]:
-    """(2,) or (3,) finite world point, in [m]; raises InputError for anything else."""
-    numbers = _as_numbers(f"nominal foothold of {leg}", point, np.float64)
-    if numbers.shape not in ((2,), (3,)) or not np.isfinite(numbers).all():
-        raise InputError(
-            f"nominal foothold of {leg} is {numbers.tolist()}", "expected finite world (x, y) or (x, y, z)"
-        )
-    return numbers

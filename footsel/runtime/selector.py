@@ -1,7 +1,7 @@
 """From an elevation map and a base pose to footholds, with the network alone: what runs on the robot."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from footsel.errors import InputError
 from footsel.footholds import BasePose, CellScores, Foothold, LegLayout, choose
 from footsel.footholds.choice import CellCheck
-from footsel.legs import LEGS, check_leg, check_legs, is_right, pair_of
+from footsel.footholds.request import LegRequest, prepare
+from footsel.legs import LEGS, check_leg, is_right, pair_of
 from footsel.runtime.evaluation import CellEvaluation, decode, decode_costs
-from footsel.runtime.inputs import checked_heights, checked_point, checked_tilt
+from footsel.runtime.inputs import checked_heights, checked_tilt
 from footsel.runtime.model_folder import DEFAULT_VARIANT, find_model_folder, load_networks
 from footsel.runtime.network import Network
-from footsel.terrain import CELLS, ElevationMap, LocalMap
+from footsel.terrain import CELLS, ElevationMap
 
 #: verify(leg, base_pose, cell, position) -> whether the candidate may be used. base_pose: (x, y, z, roll, pitch, yaw)
 #: in the world frame; cell: (i, j) in the leg's local map; position: contact point in the world frame.
@@ -93,25 +94,26 @@ class FootholdSelector:
     ) -> tuple[dict[str, Foothold], Timing]:
         """As `select`, and how long it took."""
         start = time.perf_counter()
-        legs, pose = check_legs(legs), BasePose.of(base_pose)
-        if not isinstance(elevation_map, ElevationMap):
-            raise InputError(f"elevation map is a {type(elevation_map).__name__}", "give a footsel.ElevationMap")
         if not isinstance(top_k, (int, np.integer)) or top_k < 1:
             raise InputError(f"top_k is {top_k!r}", "give a whole number of 1 or more")
-        self.layout.check_on_map(elevation_map, pose)
-        nominals = self._nominals(elevation_map, pose, legs, nominal or {})
-        local_maps = {leg: self.layout.local_map(elevation_map, pose, leg) for leg in legs}
+        requests = prepare(self.layout, elevation_map, base_pose, legs, nominal)
 
         network_start = time.perf_counter()
-        scores = self._scores(local_maps, pose)
+        scores = self._scores(requests)
         network_ms = (time.perf_counter() - network_start) * 1e3
 
-        footholds = {}
-        for leg, local_map in local_maps.items():
-            check = None if verify is None else _bind(verify, leg, pose)
-            footholds[leg] = choose(
-                scores[leg], local_map, nominals[leg], int(top_k), check, self._contract.distance_weight
+        weight = self._contract.distance_weight
+        footholds = {
+            request.leg: choose(
+                scores[request.leg],
+                request.local_map,
+                request.nominal,
+                int(top_k),
+                None if verify is None else _bind(verify, request),
+                weight,
             )
+            for request in requests
+        }
         return footholds, Timing((time.perf_counter() - start) * 1e3, network_ms)
 
     def evaluate(
@@ -136,35 +138,21 @@ class FootholdSelector:
         planes = (_mirrored(plane, leg) for plane in (result.class_, result.cost, result.feasible))
         return CellEvaluation(*(plane[0] if single else plane for plane in planes))
 
-    def _scores(self, local_maps: Mapping[str, LocalMap], pose: BasePose) -> dict[str, CellScores]:
+    def _scores(self, requests: Sequence[LegRequest]) -> dict[str, CellScores]:
         """Cost and feasibility of every leg's cells; a pair's two legs run as one batch, the right one mirrored."""
         scores = {}
         for pair, network in self._networks.items():
-            legs = [leg for leg in local_maps if pair_of(leg) == pair]
-            if not legs:
+            batch = [request for request in requests if pair_of(request.leg) == pair]
+            if not batch:
                 continue
-            heights = np.stack([_mirrored(local_maps[leg].heights, leg) for leg in legs])
-            roll = np.stack([_mirrored_roll(np.array(pose.roll), leg) for leg in legs])
-            probabilities = network.probabilities(heights, roll, pose.pitch)
+            heights = np.stack([_mirrored(request.local_map.heights, request.leg) for request in batch])
+            roll = np.stack([_mirrored_roll(np.array(request.pose.roll), request.leg) for request in batch])
+            probabilities = network.probabilities(heights, roll, batch[0].pose.pitch)
             costs, feasible = decode_costs(probabilities, ~np.isnan(heights), network.contract.feasible_below)
-            for index, leg in enumerate(legs):
-                scores[leg] = CellScores(_mirrored(costs[index], leg), _mirrored(feasible[index], leg), WHY_NONE)
+            for request, cost, cells in zip(batch, costs, feasible, strict=True):
+                leg = request.leg
+                scores[leg] = CellScores(_mirrored(cost, leg), _mirrored(cells, leg), WHY_NONE)
         return scores
-
-    def _nominals(
-        self, elevation_map: ElevationMap, pose: BasePose, legs: Iterable[str], given: Mapping[str, ArrayLike]
-    ) -> dict[str, tuple[float, float, float]]:
-        """N_i of each leg on the terrain, in the world frame."""
-        points = {check_leg(leg): checked_point(leg, point) for leg, point in given.items()}
-        nominals = {}
-        for leg in legs:
-            point = points.get(leg)
-            if point is not None and len(point) == 3:
-                nominals[leg] = (float(point[0]), float(point[1]), float(point[2]))
-            else:
-                xy = self.layout.nominal_xy(leg, pose) if point is None else point
-                nominals[leg] = self.layout.nominal_position(leg, pose, elevation_map, xy)
-        return nominals
 
 
 def _mirrored(plane: NDArray[Any], leg: str) -> NDArray[Any]:
@@ -177,6 +165,6 @@ def _mirrored_roll(roll: NDArray[np.float64], leg: str) -> NDArray[np.float64]:
     return -roll if is_right(leg) else roll
 
 
-def _bind(verify: Verify, leg: str, pose: BasePose) -> CellCheck:
-    numbers = tuple(pose.as_list())
-    return lambda cell, position: bool(verify(leg, numbers, cell, position))
+def _bind(verify: Verify, request: LegRequest) -> CellCheck:
+    numbers = tuple(request.pose.as_list())
+    return lambda cell, position: bool(verify(request.leg, numbers, cell, position))
