@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from footsel.errors import UnknownNameError
+from footsel.errors import InputError, UnknownNameError
 from footsel.footholds.layout import LegLayout
 from footsel.footholds.pose import BasePose
 from footsel.terrain import ElevationMap
@@ -51,6 +51,8 @@ class SamplingRecipe:
             if family not in FAMILIES:
                 raise UnknownNameError("terrain family", family, FAMILIES)
         chosen = tuple(family for family in families or FAMILIES if family not in exclude)
+        if not chosen:
+            raise InputError("no terrain family is left", "exclude fewer families")
         if name == "paper":
             return cls(None if families or exclude else map_seed, True, 0.0, 0.0, chosen)
         return cls(None, False, float(np.deg2rad(15.0)), 0.4, chosen)
