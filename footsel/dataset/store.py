@@ -116,7 +116,7 @@ def read_shard(path: Path) -> Samples:
     try:
         with np.load(path, allow_pickle=False) as stored:
             return Samples(**{f.name: stored[f.name] for f in fields(Samples)})
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(
             f"cannot read the shard {path} ({error})", "delete it and run `footsel dataset` again"
         ) from None

@@ -36,7 +36,7 @@ def load_tables(robot: Robot, leg: str) -> Tables:
                 SelfCollisionTable(stored["answer"], stored["low"], stored["step"]),
                 MarginField(stored["distance"].astype(np.float32), stored["origin"]),
             )
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
         pass
     table = SelfCollisionTable.build(robot, leg)
     margin = MarginField.build(robot, leg, table)
