@@ -1,4 +1,4 @@
-"""From a cost per cell to a foothold: the cheapest feasible cell by `c_final = Z_c + k d_n` (equation 3 of the paper)."""
+"""From a cost per cell to a foothold: the cheapest feasible cell by `c_final = Z_c + k d_n` (the paper, equation 3)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

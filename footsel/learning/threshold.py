@@ -11,8 +11,27 @@ from footsel.footholds.metrics import PickMetrics
 from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
 from footsel.learning.predictions import Predictions
 
-#: From "more likely than not" down to "hardly thinkable", a third to a half lower each time.
-THRESHOLDS = (0.5, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.015, 0.01, 0.007, 0.005, 0.003, 0.002, 0.001)
+#: From "more likely than not" down to "hardly thinkable", a fifth to a half lower each time.
+THRESHOLDS = (
+    0.5,
+    0.4,
+    0.3,
+    0.25,
+    0.2,
+    0.15,
+    0.1,
+    0.07,
+    0.05,
+    0.03,
+    0.02,
+    0.015,
+    0.01,
+    0.007,
+    0.005,
+    0.003,
+    0.002,
+    0.001,
+)
 
 #: What a robot is allowed: one pick in 200 that the oracle rejects, one map in 100 left without an answer for nothing.
 MOST_INFEASIBLE_PICKS = 0.005
@@ -52,13 +71,19 @@ def threshold_curve(predictions: Predictions, samples: Samples, layout: LegLayou
 def choose_feasible_below(curve: Sequence[Mapping[str, Any]]) -> float:
     """The highest threshold that keeps both limits, MOST_INFEASIBLE_PICKS and MOST_MISSED.
 
-    If none does, the one with the fewest infeasible picks among those that miss few enough; if all miss too many, the
-    one that misses fewest. A network that is hardly trained ends there.
+    If none does, the one that exceeds them least in all, each rate counted in units of its limit: safety bought by
+    never answering is no safety, and neither is the reverse.
     """
-    enough = [point for point in curve if point["missed_rate"] <= MOST_MISSED]
-    if not enough:
-        return float(min(curve, key=lambda point: float(point["missed_rate"]))["feasible_below"])
-    safe = [point for point in enough if (point["infeasible_rate"] or 0.0) <= MOST_INFEASIBLE_PICKS]
-    if not safe:
-        return float(min(enough, key=lambda point: float(point["infeasible_rate"]))["feasible_below"])
-    return float(max(safe, key=lambda point: float(point["feasible_below"]))["feasible_below"])
+
+    def excess(point: Mapping[str, Any]) -> float:
+        infeasible, missed = float(point["infeasible_rate"] or 0.0), float(point["missed_rate"])
+        return infeasible / MOST_INFEASIBLE_PICKS + missed / MOST_MISSED
+
+    safe = [
+        point
+        for point in curve
+        if (point["infeasible_rate"] or 0.0) <= MOST_INFEASIBLE_PICKS and point["missed_rate"] <= MOST_MISSED
+    ]
+    if safe:
+        return float(max(safe, key=lambda point: float(point["feasible_below"]))["feasible_below"])
+    return float(min(curve, key=excess)["feasible_below"])

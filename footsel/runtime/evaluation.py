@@ -13,7 +13,7 @@ class CellEvaluation:
     """A network's judgement of every cell; all three arrays are (40, 40), or (n, 40, 40) for n maps.
 
     class_: uint8, the most probable of the thirteen feasible classes, 13 where the cell is not feasible.
-    cost: float32 mean class centre in (0, 255), 255 where the cell is not feasible.
+    cost: float32 mean cost over all classes (footholds.cost.expected_cost), 255 where the cell is not feasible.
     feasible: whether the cell is known and p(infeasible) is below the contract's `feasible_below`.
     """
 

@@ -58,20 +58,27 @@ def test_softmax_of_large_logits_is_finite_and_ignores_a_shift():
     np.testing.assert_allclose(softmax(logits + 1024, axis=0), softmax(logits, axis=0), atol=1e-4)
 
 
-def test_expected_cost_is_the_mean_centre_of_the_feasible_classes():
+def test_expected_cost_is_the_mean_over_all_classes():
     probabilities = softmax(np.random.default_rng(1).normal(0, 2, (3, 14, 4, 4)), axis=1)
     found = expected_cost(probabilities)
+    costs = [*class_centres(), 255]
     for n, i, j in np.ndindex(3, 4, 4):
-        weights = probabilities[n, :13, i, j]
-        assert found[n, i, j] == pytest.approx(np.average(class_centres(), weights=weights), rel=1e-5)
+        assert found[n, i, j] == pytest.approx(np.average(costs, weights=probabilities[n, :, i, j]), rel=1e-5)
 
 
-def test_a_certain_class_costs_its_centre_and_infeasible_certainty_makes_no_nan():
-    for class_ in range(13):
+def test_certainty_costs_its_class():
+    for class_, cost in enumerate([*class_centres(), 255]):
         probabilities = np.zeros((14, 1, 1))
-        probabilities[class_] = 0.3
-        probabilities[13] = 0.7
-        assert expected_cost(probabilities)[0, 0] == pytest.approx(class_centres()[class_], rel=1e-6)
-    certain = np.zeros((14, 1, 1))
-    certain[13] = 1
-    assert np.isfinite(expected_cost(certain)).all()
+        probabilities[class_] = 1
+        assert expected_cost(probabilities)[0, 0] == pytest.approx(cost, rel=1e-6)
+
+
+@given(unit, unit)
+def test_doubt_makes_a_cell_dearer(low, high):
+    low, high = sorted((low, high))
+    costs = []
+    for infeasible in (low, high):
+        probabilities = np.zeros((14, 1, 1))
+        probabilities[4], probabilities[13] = 1 - infeasible, infeasible
+        costs.append(expected_cost(probabilities)[0, 0])
+    assert costs[0] <= costs[1]
