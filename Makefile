@@ -4,12 +4,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test test-slow verify lint types contracts check bench clean help
+.PHONY: demo test verify lint types contracts check bench clean help
 
 help:
 	@echo "make demo       compare the oracle, the network and baselines on built-in courses; writes demo/report.html"
 	@echo "make test       the fast tests"
-	@echo "make test-slow  the tests that take minutes"
+	@echo "make  the tests that take minutes"
 	@echo "make verify     the fast oracle against the brute-force reference"
 	@echo "make check      lint, types, import contracts"
 	@echo "make bench      latency of every stage on this machine"
@@ -34,11 +34,8 @@ demo: $(VENV)/demo.stamp
 test: $(VENV)/dev.stamp
 	$(BIN)/python -m pytest -m "not slow"
 
-test-slow: $(VENV)/dev.stamp
-	$(BIN)/python -m pytest -m slow
-
 verify: $(VENV)/dev.stamp
-	$(BIN)/python -m pytest -m slow tests/oracle/test_exactness.py
+	$(BIN)/python -m footsel.oracle.verification $(wildcard ../shared/maps/*.npz) --out verify.json
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff format --check .
@@ -56,4 +53,4 @@ bench: $(VENV)/demo.stamp
 	$(BIN)/footsel bench --out bench.json
 
 clean:
-	rm -rf $(VENV) demo bench.json
+	rm -rf $(VENV) demo bench.json verify.json

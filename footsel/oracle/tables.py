@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from footsel.files import replace_file
 from footsel.oracle import kinematic_margin, self_collision
 from footsel.oracle.kinematic_margin import MarginField
 from footsel.oracle.self_collision import SelfCollisionTable
@@ -43,11 +44,12 @@ def load_tables(robot: Robot, leg: str) -> Tables:
     # As it will be read again: a tenth of a millimetre is far below the field's own error.
     kept = margin.distance.astype(np.float16)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
-    np.savez_compressed(
-        temporary, answer=table.answer, low=table.low, step=table.step, distance=kept, origin=margin.origin
+    replace_file(
+        path,
+        lambda temporary: np.savez_compressed(
+            temporary, answer=table.answer, low=table.low, step=table.step, distance=kept, origin=margin.origin
+        ),
     )
-    temporary.replace(path)
     return Tables(table, MarginField(kept.astype(np.float32), margin.origin))
 
 
