@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 import zipfile
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from footsel.dataset.samples import Samples
 from footsel.errors import InputError
+from footsel.files import replace_file
 from footsel.footholds.cost import CLASSES, cost_to_class
 from footsel.footholds.reasons import REASON_NAMES, Reason
 from footsel.legs import check_pair
@@ -106,9 +106,8 @@ def shard_path(root: Path, pair: str, number: int) -> Path:
 def write_shard(path: Path, samples: Samples) -> None:
     """Write a shard; it appears whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp.npz")
-    np.savez_compressed(temporary, **{f.name: getattr(samples, f.name) for f in fields(samples)})
-    temporary.replace(path)
+    arrays = {f.name: getattr(samples, f.name) for f in fields(samples)}
+    replace_file(path, lambda temporary: np.savez_compressed(temporary, **arrays))
 
 
 def read_shard(path: Path) -> Samples:
@@ -154,9 +153,8 @@ def summarise(root: Path, pair: str, shards: int) -> dict[str, Any]:
 
 def write_json(path: Path, values: Any) -> None:
     """Write JSON; the file appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    temporary.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
-    temporary.replace(path)
+    text = json.dumps(values, indent=1) + "\n"
+    replace_file(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
 def _reason_shares(counts: NDArray[np.int64]) -> dict[str, float]:

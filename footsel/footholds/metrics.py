@@ -52,6 +52,14 @@ class CellMetrics:
         self._both_feasible += int(both.sum())
         self._cost_error += float(np.abs(np.asarray(predicted_cost, dtype=np.float64)[known] - cost)[both].sum())
 
+    def merge(self, other: "CellMetrics") -> None:
+        """Add all cells of another accumulation."""
+        self._confusion += other._confusion
+        self._called_feasible += other._called_feasible
+        self._feasible_right += other._feasible_right
+        self._both_feasible += other._both_feasible
+        self._cost_error += other._cost_error
+
     def result(self) -> dict[str, Any]:
         """The figures; None where there was nothing to average over.
 
@@ -122,6 +130,15 @@ class PickMetrics:
         self._infeasible += int((~good).sum())
         self._unknown += int((~known[maps, i, j]).sum())
         self._regrets.append(pick_cost[good] - best[maps][good])
+
+    def merge(self, other: "PickMetrics") -> None:
+        """Add all picks of another accumulation."""
+        self._asked += other._asked
+        self._picks += other._picks
+        self._missed += other._missed
+        self._infeasible += other._infeasible
+        self._unknown += other._unknown
+        self._regrets.extend(other._regrets)
 
     def result(self) -> dict[str, Any]:
         """The figures; None where there was nothing to average over.

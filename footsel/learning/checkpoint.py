@@ -19,9 +19,10 @@ from torch import Tensor
 
 from footsel.dataset.samples import Samples
 from footsel.errors import ModelError
+from footsel.files import replace_file
 from footsel.learning.batches import BatchEncoder
 from footsel.learning.erfnet import ERFNet, channels_last
-from footsel.learning.files import CHECKPOINT_FILE, MODEL_FILE, replace_file
+from footsel.learning.files import CHECKPOINT_FILE, MODEL_FILE
 from footsel.learning.learner import Learner
 from footsel.learning.predictions import Predict
 

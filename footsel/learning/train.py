@@ -21,6 +21,7 @@ import footsel
 from footsel.dataset import Samples, open_dataset
 from footsel.dataset.store import write_json
 from footsel.errors import InputError
+from footsel.files import replace_file
 from footsel.footholds import LegLayout
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (
@@ -32,7 +33,7 @@ from footsel.learning.checkpoint import (
     save_model,
 )
 from footsel.learning.erfnet import ERFNet, channels_last
-from footsel.learning.files import CHECKPOINT_FILE, replace_file
+from footsel.learning.files import CHECKPOINT_FILE
 from footsel.learning.learner import Learner, computes_in_bfloat16
 from footsel.learning.loss import class_shares, class_weights
 from footsel.learning.predictions import predict_all

@@ -11,12 +11,12 @@ from footsel.errors import InputError, MissingExtraError
 from footsel.footholds.layout import LegLayout
 from footsel.legs import LEGS, is_right, mirror_of
 from footsel.robot.description import RobotDescription, read_description, share_folder
-from footsel.robot.leg_kinematics import LegKinematics
 
 try:
     import pinocchio as pin
 
     from footsel.robot.collision_geometry import LegBodies, leg_bodies, stance_configuration
+    from footsel.robot.leg_kinematics import LegKinematics
 except ImportError as error:
     raise MissingExtraError("reading a robot model", "oracle", error.name or "pin") from None
 

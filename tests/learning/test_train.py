@@ -57,7 +57,7 @@ def test_loss_falls_and_the_run_says_what_it_is(data, tmp_path, name):
     assert judgement["feasible_below"] == info["feasible_below"]
     assert judgement["metrics"]["picks"]["picks"] + judgement["metrics"]["picks"]["none"] == 6
     assert json.loads((tmp_path / "front" / "config.json").read_text())["seed"] == 0
-    assert not list((tmp_path / "front").glob("*.tmp"))
+    assert not list((tmp_path / "front").glob("*.tmp*"))
 
     net, _ = load_network(tmp_path / "front")
     assert not net.training and net.in_channels == len(recipe.planes)

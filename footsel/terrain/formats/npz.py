@@ -1,12 +1,12 @@
 """Elevation map `.npz`: the keys `elevation`, `resolution` and, if not centred on the world's origin, `position`."""
 
-import os
 import zipfile
 from pathlib import Path
 
 import numpy as np
 
 from footsel.errors import MapError
+from footsel.files import replace_file
 from footsel.terrain.elevation_map import ElevationMap
 from footsel.terrain.formats.decoding import decoding
 
@@ -31,8 +31,9 @@ def load(path: Path) -> ElevationMap:
 def save(elevation_map: ElevationMap, path: str | Path) -> None:
     """Write the map; a file of that name is replaced only when the new one is complete."""
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
+
+    def write(temporary: Path) -> None:
+        # Through a file, as numpy adds .npz to a name that has another suffix.
         with temporary.open("wb") as file:
             np.savez_compressed(
                 file,
@@ -40,10 +41,10 @@ def save(elevation_map: ElevationMap, path: str | Path) -> None:
                 resolution=np.float64(elevation_map.resolution),
                 position=elevation_map.position,
             )
-        temporary.replace(path)
+
+    try:
+        replace_file(path, write)
     except OSError as error:
         raise MapError(
             f"cannot write {path} ({error.strerror})", "choose a folder that exists and is writable"
         ) from None
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -1,0 +1,45 @@
+"""Measure the latency of every stage and every model variant on this machine, on one thread held to one core."""
+
+import argparse
+import json
+from pathlib import Path
+
+from footsel.cli.numbers import whole_number
+from footsel.cli.options import add_robot, add_seed, output_file
+from footsel.files import replace_file
+
+HELP = "latency of the oracle and of every model variant on this machine"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `footsel bench`."""
+    parser.add_argument("--out", type=output_file, metavar="B.json", help="the figures, times in ms")
+    parser.add_argument("--model", metavar="PATH", help="model folder (default: the robot's released one)")
+    parser.add_argument("--run", type=Path, metavar="RUN", help="folder of `footsel train`: measure torch too")
+    parser.add_argument(
+        "--calls",
+        type=whole_number(1),
+        default=2000,
+        metavar="N",
+        help="selections of each kind; p99.9 needs a thousand (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--maps", type=whole_number(1), default=440, metavar="N", help="maps for the oracle (default: %(default)s)"
+    )
+    add_robot(parser)
+    add_seed(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print a table and write the figures."""
+    from footsel.benchmark import BenchmarkSize, as_table, run_benchmark
+    from footsel.runtime.model_folder import find_model_folder
+
+    model = find_model_folder(args.model or args.robot)
+    size = BenchmarkSize(calls=args.calls, maps=args.maps)
+    figures = run_benchmark(args.robot, model, args.run, size, args.seed)
+    if args.out:
+        text = json.dumps(figures, indent=2, allow_nan=False) + "\n"
+        replace_file(args.out, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    print(as_table(figures))
+    return 0

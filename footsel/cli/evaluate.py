@@ -1,0 +1,40 @@
+"""Judge trained or exported networks on a dataset that they were not trained on."""
+
+import argparse
+from pathlib import Path
+
+from footsel.cli.options import needing, output_file
+
+HELP = "metrics of a checkpoint or an ONNX model on a dataset"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `footsel evaluate`."""
+    parser.add_argument(
+        "model", metavar="MODEL", type=Path, help="run of `footsel train`, one pair of it, model folder or .onnx file"
+    )
+    parser.add_argument("dataset", metavar="DATASET", type=Path, help="folder of `footsel dataset`")
+    parser.add_argument("--out", type=output_file, required=True, metavar="M.json", help="the metrics")
+    parser.add_argument("--families", nargs="+", metavar="FAMILY", help="judge maps of these terrain families alone")
+    parser.add_argument("--exclude", nargs="+", metavar="FAMILY", help="leave maps of these families out")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the metrics and print the main ones."""
+    with needing("footsel evaluate", "train"):
+        from footsel.learning.evaluate import evaluate_model
+
+    result = evaluate_model(args.model, args.dataset, args.out, args.families, args.exclude)
+    for name, figures in result["networks"].items():
+        overall = figures["all"]
+        parts = {
+            "accuracy": overall["cells"]["accuracy"],
+            "mIoU": overall["cells"]["miou_present"],
+            "false safe": overall["cells"]["false_safe_rate"],
+            "infeasible picks": overall["picks"]["infeasible_rate"],
+            "regret": overall["picks"]["regret_mean"],
+        }
+        shown = ", ".join(f"{key} {'-' if value is None else format(value, '.3g')}" for key, value in parts.items())
+        print(f"{name}: {shown}")
+    print(f"metrics: {args.out}")
+    return 0

@@ -1,0 +1,26 @@
+"""Make a model folder of a training run: ONNX files, model card, metrics, parity report and checksums."""
+
+import argparse
+from pathlib import Path
+
+from footsel.cli.options import needing, output_folder
+
+HELP = "a training run as ONNX models that run on the robot"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `footsel export`."""
+    parser.add_argument("trained", metavar="RUN", type=Path, help="folder of `footsel train`")
+    parser.add_argument("out", metavar="OUT", type=output_folder, help="model folder")
+    parser.add_argument("--int8", action="store_true", help="add a variant quantised to 8 bits")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Export front and hind."""
+    with needing("footsel export", "train"):
+        from footsel.exporting.export_run import export_run
+
+    out = export_run(args.trained, args.out, args.int8)
+    print(f"model: {out} (how near it is to the trained network: {out / 'parity.json'})")
+    print(f"next: footsel select MAP --pose 0 0 auto 0 0 0 --model {out}")
+    return 0

@@ -1,0 +1,56 @@
+"""Numbers on the command line: every spelling of a float, negative ones too, and checks that say what is wrong."""
+
+import math
+from collections.abc import Callable, Sequence
+
+from footsel.errors import InputError
+
+
+def protect_negative_numbers(argv: Sequence[str]) -> list[str]:
+    """`argv` with a space before each negative number.
+
+    argparse takes `-1e-05` and `-inf` for options. What begins with a space is a value to it, and float() and int() do
+    not mind the space.
+    """
+    return [f" {word}" if word.startswith("-") and _is_float(word) else word for word in argv]
+
+
+def finite_number(text: str) -> float:
+    """A finite float; raises InputError for anything else."""
+    if not _is_float(text) or not math.isfinite(float(text)):
+        raise InputError(f"{text.strip()!r} is no finite number", "give a number such as 0.5 or -1e-05")
+    return float(text)
+
+
+def whole_number(least: int) -> Callable[[str], int]:
+    """A parser of whole numbers of `least` or more."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise InputError(f"{text.strip()!r} is no whole number of {least} or more", f"give {least} or more")
+        return number
+
+    return parse
+
+
+def jobs(text: str) -> int:
+    """A number of processes, as joblib counts them: -1 is all cores."""
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number == 0:
+        raise InputError(f"{text.strip()!r} is no number of jobs", "give a count of 1 or more, or -1 for all cores")
+    return number
+
+
+def _is_float(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

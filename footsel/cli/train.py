@@ -1,0 +1,45 @@
+"""Train the networks of a dataset: a checkpoint, the model and its learning curves for each pair of legs."""
+
+import argparse
+from pathlib import Path
+
+from footsel.cli.numbers import whole_number
+from footsel.cli.options import add_pairs, add_seed, needing, output_folder
+
+HELP = "networks from a dataset"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `footsel train`."""
+    parser.add_argument("dataset", metavar="DATASET", type=Path, help="folder of `footsel dataset`")
+    parser.add_argument("out", metavar="OUT", type=output_folder, help="folder of the run")
+    parser.add_argument(
+        "--recipe", default="footsel", help="paper, footsel or a TOML file like theirs (default: %(default)s)"
+    )
+    add_pairs(parser, None, "those of the dataset")
+    parser.add_argument("--resume", action="store_true", help="go on with the training that OUT holds")
+    parser.add_argument("--epochs", type=whole_number(1), metavar="N", help="instead of the recipe's")
+    parser.add_argument(
+        "--threads", type=whole_number(1), default=1, metavar="N", help="CPU threads (default: %(default)s)"
+    )
+    add_seed(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Train one pair after the other."""
+    with needing("footsel train", "train"):
+        from footsel.dataset import open_dataset
+        from footsel.learning.recipe import Recipe
+        from footsel.learning.train import train
+
+    recipe = Recipe.load(args.recipe)
+    dataset = open_dataset(args.dataset)
+    pairs = args.legs or dataset.pairs
+    for pair in pairs:
+        dataset.shard_count(pair)  # Raises for a pair that the dataset lacks, before hours go into another one.
+    for pair in pairs:
+        info = train(args.dataset, args.out, pair, recipe, args.resume, args.epochs, args.seed, args.threads)
+        cells = info["validation"]["cells_likeliest"]
+        print(f"{pair}: {info['epochs_done']} epochs, validation accuracy {cells['accuracy']:.3f}, {args.out / pair}")
+    print(f"next: footsel export {args.out} MODEL")
+    return 0

@@ -1,0 +1,1 @@
+"""Selectors compared on maps, judged by the oracle: the figures, the drawings and the report."""
