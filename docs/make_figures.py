@@ -1,0 +1,57 @@
+"""Make docs/figures/result.png: footholds by the released network, and its costs beside the oracle's under one leg."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from footsel.comparison import palette, panels
+from footsel.footholds import BasePose
+from footsel.footholds.request import prepare
+from footsel.oracle import Oracle
+from footsel.selectors import make_selector
+from footsel.terrain.courses import make_course
+
+OUT = Path(__file__).resolve().parent / "figures" / "result.png"
+FAMILY, SEED, LEG = "rubble", 100, "LF"
+X, Y, YAW = 0.3, -0.2, 0.5
+
+
+def main() -> None:
+    """Draw the selection from above, and below it the cells of one leg."""
+    course = make_course(FAMILY, SEED)
+    cnn, oracle = make_selector("cnn"), Oracle.load()
+    layout = cnn.layout
+    pose = BasePose(X, Y, layout.ground_height(course, X, Y, YAW) + layout.standing_height, 0.0, 0.0, YAW)
+    footholds = cnn.select(course, pose, top_k=4)
+    (request,) = prepare(layout, course, pose, (LEG,))
+    local_map, scores = request.local_map, cnn.score(request)
+    label = oracle.label(local_map, LEG)
+
+    cells = panels.new_figure(10.2, 2.9)
+    drawings = {
+        f"terrain under {LEG} [m]": lambda axes: panels.draw_terrain(axes, local_map),
+        "cost by the network": lambda axes: panels.draw_cost(axes, local_map, scores.cost, scores.feasible),
+        "cost by the oracle": lambda axes: panels.draw_cost(axes, local_map, label.cost, label.feasible),
+        "the oracle's reasons": lambda axes: panels.draw_reasons(axes, local_map, label.reason),
+    }
+    for axes, (title, draw) in zip(cells.subplots(1, len(drawings)), drawings.items(), strict=True):
+        draw(axes)
+        axes.set_title(title, fontsize=panels.TITLE_SIZE)
+        panels.mark_point(axes, panels.in_heading(local_map, np.array(request.nominal[:2])), palette.NOMINAL_POINT)
+        panels.mark_picks(axes, local_map, {"cnn": footholds[LEG].cell})
+
+    above = panels.selection_figure(course, pose, footholds, layout)
+    parts = [Image.open(io.BytesIO(panels.png_bytes(figure, dpi=110))).convert("RGB") for figure in (above, cells)]
+    whole = Image.new("RGB", (max(part.width for part in parts), sum(part.height for part in parts)), "white")
+    top = 0
+    for part in parts:
+        whole.paste(part, ((whole.width - part.width) // 2, top))
+        top += part.height
+    OUT.parent.mkdir(parents=True, exist_ok=True)
+    whole.quantize(256).save(OUT, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
