@@ -144,14 +144,15 @@ def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def _commands(infos: Mapping[str, Mapping[str, Any]], int8: bool) -> list[str]:
     front = infos["front"]
-    recipe, maps = front["recipe"]["name"], front["maps"]["training"] + front["maps"]["validation"]
+    recipe, dataset = front["recipe"], front["dataset"]
+    families = "".join(f" --{key} {' '.join(dataset[key])}" for key in ("families", "exclude") if dataset.get(key))
     return [
         "```sh",
         "pip install 'footsel[train]'",
-        f"footsel dataset DATA --legs front hind --maps {maps} --recipe {recipe} --robot {front['robot']}",
-        f"footsel train DATA RUN --recipe {recipe} --legs front hind --seed {front['seed']}",
+        f"footsel dataset DATA --robot {dataset['robot']} --legs {' '.join(dataset['pairs'])} --maps {dataset['maps']} "
+        f"--recipe {dataset['recipe']} --seed {dataset['seed']}{families}",
+        f"footsel train DATA RUN --recipe {recipe['name']} --legs front hind --epochs {recipe['epochs']} "
+        f"--seed {front['seed']}",
         f"footsel export RUN OUT{' --int8' if int8 else ''}",
         "```",
-        "",
-        "The seed and the families of the data set are in its `manifest.json`.",
     ]

@@ -45,10 +45,24 @@ def softmax(logits: ArrayLike, axis: int) -> NDArray[np.float32]:
 def expected_cost(probabilities: ArrayLike) -> NDArray[np.float32]:
     """Mean cost over all classes, that of an infeasible cell included; resolves finer than a bin.
 
-    A cell that may be infeasible is dear in proportion, so a choice keeps away from doubtful cells before any threshold
-    forbids them: held against class centres of the feasible classes alone, two fifths fewer picks are infeasible.
+    A doubtful cell is dear in proportion, so a choice keeps away from it before any threshold forbids it. Doubt is the
+    probability of being infeasible, or its mean over the 3x3 neighbourhood where that is higher: infeasible cells lie
+    together, a network errs cell by cell, and a foot covers more than one cell.
 
     probabilities: (..., 14, n, n), summing to 1 over the classes. Returns (..., n, n) cost in [0, 255].
     """
-    costs = np.append(class_centres(), np.float32(INFEASIBLE_COST))
-    return np.asarray(np.einsum("...cij,c->...ij", np.asarray(probabilities, dtype=np.float32), costs))
+    classes = np.asarray(probabilities, dtype=np.float32)
+    feasible, infeasible = classes[..., :COST_BINS, :, :], classes[..., INFEASIBLE_CLASS, :, :]
+    weight = np.maximum(feasible.sum(axis=-3), np.finfo(np.float32).tiny)
+    if_feasible = np.einsum("...cij,c->...ij", feasible, class_centres()) / weight
+    doubt = np.maximum(infeasible, _neighbourhood_mean(infeasible))
+    return np.asarray(if_feasible + doubt * (INFEASIBLE_COST - if_feasible), dtype=np.float32)
+
+
+def _neighbourhood_mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(..., n, n) mean over 3x3 cells, the border repeated beyond itself."""
+    rows, columns = values.shape[-2:]
+    padded = np.pad(values, [(0, 0)] * (values.ndim - 2) + [(1, 1), (1, 1)], mode="edge")
+    across = padded[..., :rows, :] + padded[..., 1 : rows + 1, :] + padded[..., 2:, :]
+    total = across[..., :columns] + across[..., 1 : columns + 1] + across[..., 2:]
+    return np.asarray(total / np.float32(9))

@@ -92,8 +92,9 @@ def save_model(folder: Path, weights: Mapping[str, Tensor], info: Mapping[str, A
 def load_network(folder: str | Path) -> tuple[ERFNet, dict[str, Any]]:
     """The network of a run's folder OUT/PAIR, ready for inference, and what its header says.
 
-    The header has: robot, pair, layout, recipe, encoding, in_channels, classes, class_shares, dataset_sha256, seed,
-    epochs_done, feasible_below, validation, version. Raises ModelError if there is no such model.
+    The header has: robot, pair, layout, recipe, encoding, in_channels, classes, class_shares, dataset (what it was made
+    with), dataset_sha256, seed, epochs_done, feasible_below, validation, version.
+    Raises ModelError if there is no such model.
     """
     path = Path(folder) / MODEL_FILE
     tensors, info = _load(path)

@@ -52,7 +52,7 @@ CHECKPOINT_SECONDS = 120.0
 class TrainingData:
     """Labelled maps of the trained leg of one pair, and what is known of them.
 
-    robot, layout: whose legs. dataset_sha256: hash of the dataset's manifest.
+    robot, layout: whose legs. dataset: configuration it was made with, as in its manifest; dataset_sha256: of that.
     """
 
     pair: str
@@ -60,6 +60,7 @@ class TrainingData:
     validation: Samples
     robot: str
     layout: LegLayout
+    dataset: Mapping[str, Any]
     dataset_sha256: str
 
 
@@ -82,8 +83,9 @@ def train(
     """
     dataset = open_dataset(dataset_dir)
     training, validation = dataset.split(pair)
-    robot = str(dataset.manifest["config"]["robot"])
-    data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, dataset.sha256)
+    made_with = dataset.manifest["config"]
+    robot = str(made_with["robot"])
+    data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
     recipe = recipe if epochs is None else replace(recipe, epochs=epochs)
     torch.set_num_threads(threads)
     return fit(data, out / pair, recipe, resume, seed)
@@ -103,6 +105,7 @@ def fit(
         "robot": data.robot,
         "pair": data.pair,
         "recipe": recipe.to_dict(),
+        "dataset": dict(data.dataset),
         "dataset_sha256": data.dataset_sha256,
         "maps": {"training": len(data.training), "validation": len(data.validation)},
         "seed": seed,

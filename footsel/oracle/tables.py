@@ -16,7 +16,7 @@ from footsel.oracle.self_collision import SelfCollisionTable
 from footsel.robot.robot import Robot
 
 #: Raised when the meaning or the making of a table changes.
-TABLE_VERSION = 2
+TABLE_VERSION = 3
 
 
 @dataclass(frozen=True, eq=False)

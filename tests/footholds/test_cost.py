@@ -58,12 +58,24 @@ def test_softmax_of_large_logits_is_finite_and_ignores_a_shift():
     np.testing.assert_allclose(softmax(logits + 1024, axis=0), softmax(logits, axis=0), atol=1e-4)
 
 
-def test_expected_cost_is_the_mean_over_all_classes():
-    probabilities = softmax(np.random.default_rng(1).normal(0, 2, (3, 14, 4, 4)), axis=1)
-    found = expected_cost(probabilities)
+def test_expected_cost_is_the_mean_over_all_classes_on_even_ground():
+    """Where all cells are alike, the neighbourhood adds no doubt."""
+    probabilities = softmax(np.random.default_rng(1).normal(0, 2, (3, 14, 1, 1)), axis=1)
+    found = expected_cost(np.broadcast_to(probabilities, (3, 14, 4, 4)))
     costs = [*class_centres(), 255]
     for n, i, j in np.ndindex(3, 4, 4):
-        assert found[n, i, j] == pytest.approx(np.average(costs, weights=probabilities[n, :, i, j]), rel=1e-5)
+        assert found[n, i, j] == pytest.approx(np.average(costs, weights=probabilities[n, :, 0, 0]), rel=1e-5)
+
+
+def test_doubtful_neighbours_make_a_cell_dearer_and_sure_ones_no_cheaper():
+    probabilities = softmax(np.random.default_rng(2).normal(0, 2, (14, 9, 9)), axis=0)
+    found = expected_cost(probabilities)
+    centres, p = class_centres(), probabilities[13]
+    for i, j in np.ndindex(9, 9):
+        window = [p[min(max(i + a, 0), 8), min(max(j + b, 0), 8)] for a in (-1, 0, 1) for b in (-1, 0, 1)]
+        doubt = max(p[i, j], np.mean(window))
+        if_feasible = np.average(centres, weights=probabilities[:13, i, j])
+        assert found[i, j] == pytest.approx((1 - doubt) * if_feasible + doubt * 255, rel=1e-4)
 
 
 def test_certainty_costs_its_class():

@@ -58,7 +58,7 @@ def layout():
 
 @pytest.fixture
 def data(layout):
-    return TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, "0" * 64)
+    return TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, {"maps": 30}, "0" * 64)
 
 
 @pytest.fixture(scope="session")

@@ -104,7 +104,7 @@ import json
 from pathlib import Path
 torch.set_num_threads(1)
 layout = LegLayout.from_dict(json.loads({layout!r}))
-data = TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, "0" * 64)
+data = TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, {{"maps": 30}}, "0" * 64)
 fit(data, Path({out!r}), Recipe.from_dict(json.loads({recipe!r})), checkpoint_seconds=0)
 """
 
