@@ -50,7 +50,7 @@ def main() -> None:
         whole.paste(part, ((whole.width - part.width) // 2, top))
         top += part.height
     OUT.parent.mkdir(parents=True, exist_ok=True)
-    whole.quantize(256).save(OUT, optimize=True)
+    whole.save(OUT, optimize=True)
 
 
 if __name__ == "__main__":
