@@ -48,7 +48,7 @@ def run_benchmark(
         "threads": 1,
         "version": footsel.__version__,
         "robot": robot,
-        "model": str(model),
+        "model": model.name,
         "seed": seed,
     }
     baselines = {}

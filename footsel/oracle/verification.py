@@ -122,7 +122,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, help="write the figures to this JSON file")
     parser.add_argument("--maps-per-leg", type=int, default=6, help="local maps per source and leg (default 6)")
     parser.add_argument("--cells", type=int, default=110, help="cells per local map (default 110)")
-    parser.add_argument("--margins", type=int, default=6, help="margins per source and leg (default 6)")
+    parser.add_argument("--margins", type=int, default=7, help="margins per source and leg (default 7)")
     parser.add_argument("--jobs", type=int, default=-1, help="processes (default: one per core)")
     options = parser.parse_args()
 
