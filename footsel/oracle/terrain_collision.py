@@ -1,8 +1,8 @@
 """The third constraint: does the leg touch the terrain anywhere but at its foot?
 
 Terrain is the solid below the triangulated heights of the known cells; unknown cells collide with nothing. Cover
-spheres of the leg's bodies settle most cells: all clear of the terrain, or one with its centre below it. What is left
-goes to coal.
+spheres of the leg's bodies settle most cells, all clear of the terrain or one with its centre below it; then points of
+the bodies' skin below the terrain settle half of the rest. What is left goes to coal.
 """
 
 from dataclasses import dataclass
@@ -60,6 +60,7 @@ class TerrainCollision:
             self._bodies.leg,
             self._bodies.link,
             self._bodies.spheres,
+            self._bodies.skin,
             tilt,
             np.ascontiguousarray(angles),
             known,
@@ -105,6 +106,7 @@ def _screen(
     leg: NDArray[np.float64],
     link: NDArray[np.int64],
     spheres: NDArray[np.float64],
+    skin: NDArray[np.float64],
     tilt: NDArray[np.float64],
     angles: NDArray[np.float64],
     heights: NDArray[np.float64],
@@ -150,6 +152,37 @@ def _screen(
                 break
             if answer == UNDECIDED:
                 verdict[row, body] = UNDECIDED
+        if (verdict[row] == UNDECIDED).any():
+            body = _skin_below_terrain(link, skin, verdict[row], in_heading, start, heights, resolution)
+            if body >= 0:
+                verdict[row, :] = CLEAR
+                verdict[row, body] = COLLIDES
+
+
+@numba.njit(cache=True)
+def _skin_below_terrain(
+    link: NDArray[np.int64],
+    skin: NDArray[np.float64],
+    verdict: NDArray[np.uint8],
+    in_heading: NDArray[np.float64],
+    start: NDArray[np.float64],
+    heights: NDArray[np.float64],
+    resolution: float,
+) -> int:  # pragma: no cover - compiled
+    """The first undecided body with a point of its skin below the terrain, -1 for none."""
+    for index in range(len(skin)):
+        body = int(skin[index, 0])
+        if verdict[body] != UNDECIDED:
+            continue
+        part = link[body]
+        turn = in_heading[part]
+        a, b, c = skin[index, 1], skin[index, 2], skin[index, 3]
+        x = start[part, 0] + turn[0, 0] * a + turn[0, 1] * b + turn[0, 2] * c
+        y = start[part, 1] + turn[1, 0] * a + turn[1, 1] * b + turn[1, 2] * c
+        z = start[part, 2] + turn[2, 0] * a + turn[2, 1] * b + turn[2, 2] * c
+        if _below_terrain(x, y, z, heights, resolution):
+            return body
+    return -1
 
 
 @numba.njit(cache=True)
@@ -174,13 +207,10 @@ def _sphere_against_terrain(
     resolution: float,
 ) -> int:  # pragma: no cover - compiled
     """COLLIDES if the centre is below its quad's lowest corner, CLEAR if the sphere misses every quad's column."""
+    if _below_terrain(x, y, z, heights, resolution):
+        return COLLIDES
     quads = len(highest)
     fx, fy = x / resolution + quads / 2, y / resolution + quads / 2
-    i, j = int(np.floor(fx)), int(np.floor(fy))
-    if 0 <= i < quads and 0 <= j < quads:
-        lowest = min(heights[i, j], heights[i + 1, j], heights[i, j + 1], heights[i + 1, j + 1])
-        if z < lowest:
-            return COLLIDES
     reach = radius / resolution
     for i in range(max(int(np.floor(fx - reach)), 0), min(int(np.floor(fx + reach)), quads - 1) + 1):
         dx = max(i - fx, fx - i - 1, 0.0) * resolution
@@ -192,3 +222,15 @@ def _sphere_against_terrain(
             if dx * dx + dy * dy + dz * dz <= radius * radius:
                 return UNDECIDED
     return CLEAR
+
+
+@numba.njit(cache=True)
+def _below_terrain(
+    x: float, y: float, z: float, heights: NDArray[np.float64], resolution: float
+) -> bool:  # pragma: no cover - compiled
+    """Whether a point is below the lowest corner of its quad, so inside the solid however the quad is split."""
+    quads = len(heights) - 1
+    i, j = int(np.floor(x / resolution + quads / 2)), int(np.floor(y / resolution + quads / 2))
+    if not (0 <= i < quads and 0 <= j < quads):
+        return False
+    return bool(z < min(heights[i, j], heights[i + 1, j], heights[i, j + 1], heights[i + 1, j + 1]))

@@ -1,5 +1,6 @@
 """Laws of a label: what its arrays hold, and how it follows the terrain, the tilt and the side of the robot."""
 
+import coal
 import numpy as np
 import pytest
 
@@ -8,7 +9,7 @@ from footsel.footholds.cost import INFEASIBLE_COST, foothold_cost
 from footsel.footholds.pose import tilt_rotation
 from footsel.legs import LEGS, mirror_of
 from footsel.oracle import Label, Oracle
-from footsel.oracle.swing_bodies import SwingBodies
+from footsel.oracle.swing_bodies import SwingBodies, skin_points
 from footsel.oracle.terrain_collision import Terrain, TerrainCollision
 from footsel.terrain import LocalMap
 from footsel.terrain.courses import make_course
@@ -123,3 +124,20 @@ def test_screening_agrees_with_coal_alone(oracle: Oracle) -> None:
         assert fast.tolist() == [bool(collision.touching(terrain, tilt, q)) for q in angles]
         verdicts += fast.tolist()
     assert 0.1 < np.mean(verdicts) < 0.9
+
+
+def test_skin_lies_inside_its_shape(oracle: Oracle) -> None:
+    """So that a point below the terrain means that the body is in it."""
+    for body in oracle.robot.bodies["LH"].trimmed:
+        points = skin_points(body.shape)
+        assert len(points) > 20
+        for point in points:
+            depth = -coal.distance(
+                body.shape,
+                coal.Transform3s.Identity(),
+                coal.Sphere(1e-9),
+                coal.Transform3s(np.eye(3), point),
+                coal.DistanceRequest(),
+                coal.DistanceResult(),
+            )
+            assert depth > 0
