@@ -1,5 +1,6 @@
 """The fast oracle equals the brute-force reference, and a fault in any constraint would show."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -11,7 +12,7 @@ import pytest
 from footsel.footholds import Reason
 from footsel.footholds.pose import tilt_rotation
 from footsel.legs import LEGS
-from footsel.oracle import Oracle, labeler, terrain_collision
+from footsel.oracle import Oracle, labeler, terrain_collision, verification
 from footsel.oracle.brute_force import BruteForceOracle
 from footsel.oracle.labeler import LegOracle
 from footsel.oracle.self_collision import ExactSelfCollision
@@ -151,3 +152,21 @@ def test_planted_margin_fault_is_caught(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(labeler, "load_tables", lambda *_: faulty)
     comparison = compare_source("flat", "LF", maps=1, cells_per_map=60, margins=2, oracle=Oracle(robot))
     assert max(comparison.margin_errors) > MARGIN_TOLERANCE
+
+
+def test_verification_command_writes_its_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "verify.json"
+    arguments = ["--maps-per-leg", "1", "--cells", "4", "--margins", "0", "--jobs", "1", "--out", str(out)]
+    monkeypatch.setattr("sys.argv", ["verification", *arguments])
+    assert verification.main() == 0
+    figures = json.loads(out.read_text())
+    assert figures["cells"] == sum(figures["cells_by_reason"].values()) == len(FAMILIES) * 4 * 4
+    assert figures["differing_reasons"] == 0 and figures["margins"] == 0
+
+
+def test_verification_command_fails_if_a_reason_differs(monkeypatch: pytest.MonkeyPatch) -> None:
+    arguments = ["--maps-per-leg", "1", "--cells", "40", "--margins", "0", "--jobs", "1"]
+    monkeypatch.setattr("sys.argv", ["verification", *arguments])
+    monkeypatch.setattr(verification, "FAMILIES", {"pillars": FAMILIES["pillars"]})
+    _tilt_the_wrong_way(monkeypatch)
+    assert verification.main() == 1
