@@ -9,7 +9,6 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constr
 help:
 	@echo "make demo       compare the oracle, the network and baselines on built-in courses; writes demo/report.html"
 	@echo "make test       the fast tests"
-	@echo "make  the tests that take minutes"
 	@echo "make verify     the fast oracle against the brute-force reference"
 	@echo "make check      lint, types, import contracts"
 	@echo "make bench      latency of every stage on this machine"

@@ -1,0 +1,1 @@
+"""Physics: what a foothold is worth when a robot stands on it."""
