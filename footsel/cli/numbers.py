@@ -22,6 +22,14 @@ def finite_number(text: str) -> float:
     return float(text)
 
 
+def positive_number(text: str) -> float:
+    """A finite float above 0; raises InputError for anything else."""
+    number = finite_number(text)
+    if number <= 0:
+        raise InputError(f"{text.strip()!r} is no number above 0", "give a number such as 0.001")
+    return number
+
+
 def whole_number(least: int) -> Callable[[str], int]:
     """A parser of whole numbers of `least` or more."""
 

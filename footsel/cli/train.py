@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from footsel.cli.numbers import whole_number
+from footsel.cli.numbers import positive_number, whole_number
 from footsel.cli.options import add_pairs, add_seed, needing, output_folder
 
 HELP = "networks from a dataset"
@@ -19,6 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_pairs(parser, None, "those of the dataset")
     parser.add_argument("--resume", action="store_true", help="go on with the training that OUT holds")
     parser.add_argument("--epochs", type=whole_number(1), metavar="N", help="instead of the recipe's")
+    parser.add_argument("--learning-rate", type=positive_number, metavar="R", help="instead of the recipe's")
+    parser.add_argument(
+        "--from",
+        dest="start",
+        metavar="MODEL",
+        help="begin with the weights of this released model, by name or folder (default: at random)",
+    )
     parser.add_argument(
         "--threads", type=whole_number(1), default=1, metavar="N", help="CPU threads (default: %(default)s)"
     )
@@ -38,7 +45,18 @@ def run(args: argparse.Namespace) -> int:
     for pair in pairs:
         dataset.shard_count(pair)  # Raises for a pair that the dataset lacks, before hours go into another one.
     for pair in pairs:
-        info = train(args.dataset, args.out, pair, recipe, args.resume, args.epochs, args.seed, args.threads)
+        info = train(
+            args.dataset,
+            args.out,
+            pair,
+            recipe,
+            resume=args.resume,
+            epochs=args.epochs,
+            seed=args.seed,
+            threads=args.threads,
+            learning_rate=args.learning_rate,
+            start=args.start,
+        )
         cells = info["validation"]["cells_likeliest"]
         print(f"{pair}: {info['epochs_done']} epochs, validation accuracy {cells['accuracy']:.3f}, {args.out / pair}")
     print(f"next: footsel export {args.out} MODEL")

@@ -79,6 +79,7 @@ def _training(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
         row("training maps", lambda info: info["maps"]["training"]),
         row("validation maps", lambda info: info["maps"]["validation"]),
         row("data set SHA-256", lambda info: f"`{info['dataset_sha256'][:16]}…`"),
+        row("began with", lambda info: _began_with(info.get("started_from"))),
         row("epochs", lambda info: f"{info['epochs_done']} of {info['recipe']['epochs']}"),
         row("seed", lambda info: info["seed"]),
         row("cell feasible if p(infeasible) <", lambda info: info["feasible_below"]),
@@ -86,6 +87,12 @@ def _training(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
         *(row(f"recipe: {key}", lambda info, key=key: _plain(info["recipe"].get(key))) for key in keys),
     ]
     return _table(("", *PAIRS), rows)
+
+
+def _began_with(release: Mapping[str, str] | None) -> str:
+    if release is None:
+        return "random weights"
+    return f"release `{release['sha256'][:16]}…`, trained on data set `{release['dataset_sha256'][:16]}…`"
 
 
 def _plain(value: Any) -> str:
@@ -146,13 +153,15 @@ def _commands(infos: Mapping[str, Mapping[str, Any]], int8: bool) -> list[str]:
     front = infos["front"]
     recipe, dataset = front["recipe"], front["dataset"]
     families = "".join(f" --{key} {' '.join(dataset[key])}" for key in ("families", "exclude") if dataset.get(key))
+    # The release before this one, which the repository's history holds.
+    start = f" --learning-rate {recipe['learning_rate']} --from RELEASE" if front.get("started_from") else ""
     return [
         "```sh",
         "pip install 'footsel[train]'",
         f"footsel dataset DATA --robot {dataset['robot']} --legs {' '.join(dataset['pairs'])} --maps {dataset['maps']} "
         f"--recipe {dataset['recipe']} --seed {dataset['seed']}{families}",
         f"footsel train DATA RUN --recipe {recipe['name']} --legs front hind --epochs {recipe['epochs']} "
-        f"--seed {front['seed']}",
+        f"--seed {front['seed']}{start}",
         f"footsel export RUN OUT{' --int8' if int8 else ''}",
         "```",
     ]

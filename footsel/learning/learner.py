@@ -49,6 +49,17 @@ class Learner:
             weights[bias] = weights[bias] - self._class_weight.log()
         return weights
 
+    @torch.no_grad()
+    def adopt(self, weights: Mapping[str, Tensor]) -> None:
+        """Begin at weights to use, of another training: the inverse of `weights`. The average begins there too."""
+        self.net.load_state_dict(weights)
+        if self._calibrated:
+            bias = self.net.decoder[-1].bias
+            bias += self._class_weight.log()  # type: ignore[operator]
+        for name, tensor in self.net.state_dict().items():
+            if name in self.average:
+                self.average[name].copy_(tensor)
+
     def update(self, samples: Samples, learning_rate: float, updates_before: int) -> float:
         """One step of Adam on the maps of one batch; returns the loss before it."""
         self.net.train()

@@ -38,9 +38,10 @@ from footsel.learning.learner import Learner, computes_in_bfloat16
 from footsel.learning.loss import class_shares, class_weights
 from footsel.learning.predictions import predict_all
 from footsel.learning.recipe import Recipe
-from footsel.learning.schedule import learning_rate
+from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Scores
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
+from footsel.learning.warm_start import lineage, start_from_release
 from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
 
@@ -73,11 +74,14 @@ def train(
     epochs: int | None = None,
     seed: int = 0,
     threads: int = 1,
+    learning_rate: float | None = None,
+    start: str | Path | None = None,
 ) -> dict[str, Any]:
     """Train the network of `pair` on a dataset of `footsel dataset`; files go to `out`/`pair`.
 
     resume: continue a training that was interrupted, to the same result.
-    epochs: instead of the recipe's.
+    epochs, learning_rate: instead of the recipe's.
+    start: name or folder of a released model whose weights training begins with; its own lineage is kept.
     threads: of torch; two pairs side by side on one thread each take less time than one after the other on two.
     Returns the header of the final model (footsel.learning.checkpoint.load_network).
     """
@@ -86,9 +90,9 @@ def train(
     made_with = dataset.manifest["config"]
     robot = str(made_with["robot"])
     data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
-    recipe = recipe if epochs is None else replace(recipe, epochs=epochs)
+    recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
     torch.set_num_threads(threads)
-    return fit(data, out / pair, recipe, resume, seed)
+    return fit(data, out / pair, recipe, resume, seed, start=start)
 
 
 def fit(
@@ -98,6 +102,7 @@ def fit(
     resume: bool = False,
     seed: int = 0,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
+    start: str | Path | None = None,
 ) -> dict[str, Any]:
     """Train on maps in memory; `folder` gets config.json, curves.csv, validation.json, the checkpoint and the model."""
     # What is asked. A folder holds one training, from its first update to its last.
@@ -109,6 +114,7 @@ def fit(
         "dataset_sha256": data.dataset_sha256,
         "maps": {"training": len(data.training), "validation": len(data.validation)},
         "seed": seed,
+        "started_from": None if start is None else lineage(start, data.pair),
     }
     resumed = _claim_folder(folder, config, resume)
 
@@ -121,6 +127,8 @@ def fit(
     # Model.
     learner = Learner(recipe, encoding, weights, seed)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
+    if start is not None and not resumed:
+        start_from_release(learner, start, data.pair, data.training)
     rows = _read_curves(folder / "curves.csv")[: progress.epoch]
 
     # Loop.
@@ -132,7 +140,7 @@ def fit(
         batches = shuffled_batches(len(data.training), recipe.batch_size, seed, epoch)
         for batch in range(progress.batch, batches_per_epoch):
             samples = data.training.take(batches[batch])
-            rate = learning_rate(recipe, epoch, batch, batches_per_epoch)
+            rate = rate_of(recipe, epoch, batch, batches_per_epoch)
             loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)
             if not math.isfinite(loss):
                 raise InputError(f"the loss became {loss} in epoch {epoch}", "lower the recipe's learning_rate")
@@ -147,7 +155,7 @@ def fit(
         judgement, validation_loss = _validate(learner, data, np.ones_like(weights) if recipe.calibrated else weights)
         measured = {"train_loss": progress.mean_loss, "val_loss": validation_loss}
         seconds = round(time.monotonic() - started, 1)
-        last_rate = learning_rate(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
+        last_rate = rate_of(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
         rows.append({"epoch": epoch, "lr": last_rate, **measured, **_curve_figures(judgement), "seconds": seconds})
         info = {
             **config,
