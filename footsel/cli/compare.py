@@ -20,6 +20,7 @@ from footsel.cli.options import (
     needing,
     output_folder,
 )
+from footsel.cli.select import SELECTORS
 from footsel.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=("oracle", "cnn", "nominal"),
         metavar="NAME",
-        help="among oracle, cnn, cnn+verify, terrain_only, nominal (default: oracle cnn nominal)",
+        help=f"among {', '.join(SELECTORS)} (default: oracle cnn nominal)",
     )
     parser.add_argument(
         "--poses", type=whole_number(1), default=200, metavar="N", help="base poses per map (default: %(default)s)"
@@ -77,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
         rate = "-" if picks["infeasible_rate"] is None else f"{picks['infeasible_rate']:.2%}"
         regret = "-" if picks["regret_mean"] is None else f"{picks['regret_mean']:.1f}"
         print(
-            f"{name:13} {picks['picks']:7} picks  {rate:>7} infeasible  {picks['missed']:5} missed  regret {regret:>5}"
+            f"{name:14} {picks['picks']:7} picks  {rate:>7} infeasible  {picks['missed']:5} missed  regret {regret:>5}"
         )
     print(f"report: {report}")
     return 0

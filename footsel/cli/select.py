@@ -14,7 +14,21 @@ from footsel.errors import InputError
 HELP = "a foothold for each leg, as JSON"
 
 #: The names of footsel.selectors, which loads onnxruntime, too slow to show help.
-SELECTORS = ("cnn", "cnn+verify", "oracle", "terrain_only", "nominal")
+#: The last seven are classic terrain scorers.
+SELECTORS = (
+    "cnn",
+    "cnn+verify",
+    "oracle",
+    "nominal",
+    "terrain_only",
+    "krotkov",
+    "chen_kumar",
+    "barasuol",
+    "rebula",
+    "kolter",
+    "roennau",
+    "traversability",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -14,9 +14,10 @@ from footsel.oracle import Oracle
 from footsel.runtime import FootholdSelector
 from footsel.selectors import Selector, make_selector
 from footsel.selectors.network import NetworkSelector
+from footsel.selectors.registry import CLASSIC
 
 #: Selectors whose costs the report draws beside the oracle's, the first that takes part.
-SCORERS = ("cnn", "cnn+verify", "terrain_only")
+SCORERS = ("cnn", "cnn+verify", "terrain_only", *CLASSIC)
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,13 @@ DESCRIPTIONS = {
     "cnn+verify": "the network's candidates, until the oracle accepts one",
     "terrain_only": "terrain shape and distance, no kinematics, no collisions",
     "nominal": "the nominal foothold, whatever lies there",
+    "krotkov": "ground alone: inclination, roughness and curvature (Krotkov and Simmons 1996)",
+    "chen_kumar": "ground alone: probability of support under uncertain heights (Chen and Kumar)",
+    "barasuol": "ground alone: the nearest cell of acceptable pattern (Barasuol et al. 2015)",
+    "rebula": "ground alone: no edges, steep slopes, cliffs or holes (Rebula et al. 2007)",
+    "kolter": "ground alone: weighted features at four scales (Kolter et al. 2008)",
+    "roennau": "ground alone: credibility, mean height and variance (Roennau et al. 2009)",
+    "traversability": "ground alone: slope, step and roughness (Wermelinger et al. 2016)",
 }
 LIBRARIES = ("numpy", "onnxruntime", "pin", "coal", "numba")
 

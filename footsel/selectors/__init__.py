@@ -1,4 +1,4 @@
-"""One interface, many selectors: nominal, terrain_only, oracle, cnn, cnn+verify."""
+"""One interface, many selectors: nominal, terrain_only, scorers from the literature, oracle, cnn, cnn+verify."""
 
 from footsel.selectors.base import Selector
 from footsel.selectors.registry import SELECTORS, make_selector

@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
-from footsel.errors import UnknownNameError
+from footsel.errors import MissingExtraError, UnknownNameError
 from footsel.runtime import FootholdSelector
 from footsel.selectors.base import Selector
 from footsel.selectors.network import NetworkSelector, VerifiedNetworkSelector
 
-SELECTORS = ("nominal", "terrain_only", "oracle", "cnn", "cnn+verify")
+#: Names of footsel.selectors.classic, which loads scipy.
+CLASSIC = ("krotkov", "chen_kumar", "barasuol", "rebula", "kolter", "roennau", "traversability")
+SELECTORS = ("nominal", "terrain_only", *CLASSIC, "oracle", "cnn", "cnn+verify")
 
 
 def make_selector(name: str, robot: str = "anymal_b", model: str | Path | None = None) -> Selector:
@@ -20,16 +22,38 @@ def make_selector(name: str, robot: str = "anymal_b", model: str | Path | None =
         raise UnknownNameError("selector", name, SELECTORS)
     if name == "cnn":
         return NetworkSelector(FootholdSelector.load(model or robot))
-    # All but the network need the robot model, which the runtime's bare installation does not have.
+    if name in ("oracle", "cnn+verify"):
+        return _exact_selector(name, robot, model)
+    return _ground_selector(name, robot)
+
+
+def _exact_selector(name: str, robot: str, model: str | Path | None) -> Selector:
+    """One that asks the oracle."""
     from footsel.oracle import Oracle
     from footsel.selectors.exact import OracleSelector
-    from footsel.selectors.nominal import NominalSelector
-    from footsel.selectors.terrain_only import TerrainOnlySelector
 
     oracle = Oracle.load(robot)
     if name == "cnn+verify":
         return VerifiedNetworkSelector(FootholdSelector.load(model or robot), oracle)
-    layout = oracle.robot.layout
-    if name == "oracle":
-        return OracleSelector(layout, oracle)
-    return NominalSelector(layout) if name == "nominal" else TerrainOnlySelector(layout)
+    return OracleSelector(oracle.robot.layout, oracle)
+
+
+def _ground_selector(name: str, robot: str) -> Selector:
+    """One that needs no more of the robot than where its legs sit."""
+    # The robot model is not part of the runtime's bare installation.
+    from footsel.robot import load_robot
+
+    layout = load_robot(robot).layout
+    if name == "nominal":
+        from footsel.selectors.nominal import NominalSelector
+
+        return NominalSelector(layout)
+    if name == "terrain_only":
+        from footsel.selectors.terrain_only import TerrainOnlySelector
+
+        return TerrainOnlySelector(layout)
+    try:
+        from footsel.selectors.classic import SCORERS
+    except ImportError as error:
+        raise MissingExtraError("the classic scorers", "oracle", error.name or "scipy") from None
+    return SCORERS[name](layout)

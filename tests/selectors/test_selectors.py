@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from footsel.comparison.palette import MARKS
+from footsel.comparison.report import DESCRIPTIONS
 from footsel.errors import InputError, UnknownNameError
 from footsel.footholds import DISTANCE_WEIGHT, BasePose
 from footsel.legs import LEGS, mirror_of
@@ -121,6 +123,11 @@ def test_verified_network_agrees_with_the_oracle(constant_folder: Callable[[int]
             feasible = oracle.label(selector.layout.local_map(course, pose, leg), leg, 0.1, 0.1).feasible
             assert (foothold.cell is None) == (not feasible.any())
             assert foothold.cell is None or feasible[foothold.cell]
+
+
+def test_the_report_can_draw_and_describe_every_selector() -> None:
+    assert set(MARKS) == set(DESCRIPTIONS) == set(SELECTORS)
+    assert len({(mark.marker, mark.colour) for mark in MARKS.values()}) == len(SELECTORS)
 
 
 def test_unknown_selector_lists_the_known_ones() -> None:
