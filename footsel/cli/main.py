@@ -11,8 +11,8 @@ import footsel
 from footsel.cli.numbers import protect_negative_numbers
 from footsel.errors import FootselError, InputError
 
-#: In the order of their use. Each is the module `footsel.cli.NAME`.
-COMMANDS = ("label", "select", "dataset", "train", "evaluate", "export", "compare", "bench", "robots")
+#: In the order of their use. Each is the module `footsel.cli.NAME`, hyphens as underscores.
+COMMANDS = ("label", "select", "dataset", "train", "evaluate", "export", "terrain-cost", "compare", "bench", "robots")
 
 EXIT_MISUSE = 2
 EXIT_INTERRUPTED = 130  # 128 + SIGINT
@@ -53,7 +53,7 @@ def make_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"footsel {footsel.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, title="commands")
     for name in COMMANDS:
-        module = import_module(f"footsel.cli.{name}")
+        module = import_module(f"footsel.cli.{name.replace('-', '_')}")
         command = commands.add_parser(name, help=module.HELP, description=module.__doc__, allow_abbrev=False)
         module.add_arguments(command)
         command.set_defaults(execute=module.run, command_parser=command)

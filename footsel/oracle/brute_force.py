@@ -5,14 +5,17 @@ nothing else: inverse kinematics is numeric (Pinocchio's Jacobian), every pair o
 kinematic margin is searched direction by direction. It is also the naive baseline of `footsel bench`.
 """
 
+import json
 from dataclasses import dataclass
 from functools import cache
+from importlib import resources
 from typing import Any
 
 import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 from footsel.footholds.cost import INFEASIBLE_COST, foothold_cost
 from footsel.footholds.pose import tilt_rotation
@@ -53,9 +56,6 @@ RING_DEPTH = 0.01
 #: Unknown cells are lowered to this depth below the lowest known cell, out of the way of every leg, in [m].
 FLOOR_DEPTH = 1.0
 
-#: Constants of the terrain cost, version 1: slope, upper edge of a step or ridge, foot of a step or pit.
-SLOPE_SCALE, RIDGE_SCALE, PIT_SCALE = 0.7, 0.5, 1.0
-
 
 @dataclass(frozen=True, eq=False)
 class CellLabel:
@@ -66,6 +66,7 @@ class CellLabel:
     margin: distance of the foot's centre to the border of its workspace, in [m]; NaN if infeasible or not asked for.
     terrain_cost: c_m in [0, 1]; NaN if the cell is unknown.
     joint_angles: (3,) HAA HFE KFE in [rad]; None if the cell is unknown or out of range.
+    touching: the leg's body and what it meets, the first pair found; None if nothing collides.
     """
 
     reason: Reason
@@ -73,6 +74,7 @@ class CellLabel:
     margin: float
     terrain_cost: float
     joint_angles: Vector | None
+    touching: tuple[str, str] | None = None
 
 
 def brute_force_cell(
@@ -143,10 +145,10 @@ class BruteForceOracle:
         angles = self.inverse(centre)
         if angles is None:
             return CellLabel(Reason.KINEMATIC_RANGE, INFEASIBLE_COST, np.nan, c_m, None)
-        if self.self_collides(angles):
-            return CellLabel(Reason.SELF_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles)
-        if self.terrain_collides(angles, local_map, tilt):
-            return CellLabel(Reason.TERRAIN_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles)
+        if pair := self.self_contact(angles):
+            return CellLabel(Reason.SELF_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles, pair)
+        if body := self.terrain_contact(angles, local_map, tilt):
+            return CellLabel(Reason.TERRAIN_COLLISION, INFEASIBLE_COST, np.nan, c_m, angles, (body, "terrain"))
         if not with_margin:
             return CellLabel(Reason.FEASIBLE, np.nan, np.nan, c_m, angles)
         margin, margin_max = self.margin(centre, angles), self.robot.margin_max(self.leg)
@@ -188,7 +190,8 @@ class BruteForceOracle:
             previous = square
             hessian = jacobian.T @ jacobian
             hessian.flat[::4] += square + SINGULAR_DAMPING
-            angles = angles + np.linalg.solve(hessian, jacobian.T @ error)
+            # LAPACK's Cholesky solution of the positive definite system, without NumPy's checks around it.
+            angles = angles + lapack.dposv(hessian, jacobian.T @ error)[1]
         return np.pi - (np.pi - angles) % (2 * np.pi) if square < POSITION_TOLERANCE**2 else None
 
     def _within_limits(self, angles: Vector) -> bool:
@@ -201,26 +204,30 @@ class BruteForceOracle:
         haa, hfe = (self._data.oMi[joint] for joint in self._joints[:2])
         return bool(haa.rotation[:, 2] @ (foot.translation - hfe.translation) < 0)
 
-    def self_collides(self, angles: Vector) -> bool:
-        """Whether the swing leg touches the base or another leg, pair by pair.
+    def self_contact(self, angles: Vector) -> tuple[str, str] | None:
+        """The first pair of bodies in which the swing leg touches the base or another leg, None if there is none.
 
         Every pair is asked afresh: with what coal keeps from one question to the next, as Pinocchio's computeCollisions
         lets it, one overlap in some hundred thousand is missed.
         """
         pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._geometry_data, angles)
-        shapes = [item.geometry for item in self._geometry.geometryObjects]
+        bodies = self._geometry.geometryObjects
         placed = [coal.Transform3s(place.rotation, place.translation) for place in self._geometry_data.oMg]
-        return any(
-            coal.collide(shapes[i], placed[i], shapes[j], placed[j], coal.CollisionRequest(), coal.CollisionResult())
-            for i, j in ((pair.first, pair.second) for pair in self._geometry.collisionPairs)
-        )
+        for i, j in ((pair.first, pair.second) for pair in self._geometry.collisionPairs):
+            request, result = coal.CollisionRequest(), coal.CollisionResult()
+            if coal.collide(bodies[i].geometry, placed[i], bodies[j].geometry, placed[j], request, result):
+                return bodies[i].name, bodies[j].name
+        return None
 
     def _quickly_self_collides(self, angles: Vector) -> bool:
-        """As `self_collides`, ten times as fast: a search asks thousands of times, and a miss hardly moves a border."""
+        """As `self_contact`, ten times as fast: a search asks thousands of times, and a miss hardly moves a border."""
         return bool(pin.computeCollisions(self._model, self._data, self._geometry, self._geometry_data, angles, True))
 
-    def terrain_collides(self, angles: Vector, local_map: LocalMap, tilt: Vector) -> bool:
-        """Whether thigh or trimmed shank touch the terrain; tilt (3, 3) turns the base frame into the heading frame."""
+    def terrain_contact(self, angles: Vector, local_map: LocalMap, tilt: Vector) -> str | None:
+        """The first body of thigh or trimmed shank that touches the terrain, None if none does.
+
+        tilt: (3, 3) rotation from the base frame to the heading frame.
+        """
         if self._terrain is None or self._terrain[0] is not local_map:
             self._terrain = local_map, terrain_solid(local_map)
         terrain = self._terrain[1]
@@ -232,8 +239,8 @@ class BruteForceOracle:
             placed = heading * joint * pin.SE3(body.rotation, body.translation)
             transform = coal.Transform3s(placed.rotation, placed.translation)
             if coal.collide(body.shape, transform, terrain, still, request, coal.CollisionResult()):
-                return True
-        return False
+                return str(body.name)
+        return None
 
     def margin(self, centre: Vector, angles: Vector) -> float:
         """Distance from a free foot centre to the nearest position out of range or in self-collision, in [m].
@@ -312,26 +319,57 @@ def terrain_solid(local_map: LocalMap) -> Any:
 
 
 def terrain_cost(local_map: LocalMap, cell: tuple[int, int]) -> float:
-    """c_m of a known cell from its eight neighbours: K1 and K2 of Belter (2011) as slopes, whatever the cell size.
+    """c_m of a known cell: one minus a mixture of Gaussians over K1 and K2 of its neighbourhood (Belter 2011).
 
-    Neighbours that are unknown or beyond the local map are missing: they raise the cost.
+    K1 and K2 are slopes: the signed and absolute drops to the points of a stencil, over what a plane of slope 1 would
+    give. Points that are unknown or beyond the local map are missing: they raise the cost.
     """
-    i, j = cell
-    heights = local_map.heights.astype(np.float64)
-    drops = []
-    for a in (i - 1, i, i + 1):
-        for b in (j - 1, j, j + 1):
-            inside = 0 <= a < local_map.cells and 0 <= b < local_map.cells
-            if (a, b) != (i, j) and inside and not np.isnan(heights[a, b]):
-                drops.append(heights[i, j] - heights[a, b])
-    known = len(drops)
+    features, (i, j) = terrain_cost_data()["features"], cell
+    spacing, limit, rings = features["spacing_m"], features["largest_drop_m"], features["ring_weights"]
+    heights, step = local_map.heights.astype(np.float64), spacing / local_map.resolution
+    drops, weights, total, plane = [], [], 0.0, 0.0
+    for a in range(-len(rings), len(rings) + 1):
+        for b in range(-len(rings), len(rings) + 1):
+            if a == b == 0:
+                continue
+            weight = rings[max(abs(a), abs(b)) - 1]
+            total, plane = total + weight, plane + weight * abs(a) * spacing
+            height = height_between(heights, i + a * step, j + b * step)
+            if not np.isnan(height):
+                drops.append(np.clip(heights[i, j] - height, -limit, limit))
+                weights.append(weight)
+    known = sum(weights) / total
     if known == 0:
         return 1.0
-    scale = 8 / known / (6 * local_map.resolution)
-    k1, k2 = scale * sum(drops), scale * sum(abs(drop) for drop in drops)
-    step_scale = RIDGE_SCALE if k1 > 0 else PIT_SCALE
-    danger = 1 - np.exp(-((k2 / SLOPE_SCALE) ** 2) / 2 - (k1 / step_scale) ** 2 / 2)
-    return float(1 - (1 - danger) * known / 8)
+    k1 = np.dot(weights, drops) / (known * plane)
+    k2 = np.dot(weights, np.abs(drops)) / (known * plane)
+    quality = 0.0
+    for g in terrain_cost_data()["gaussians"]:
+        offset = np.array([k1 - g["k1"], k2 - g["k2"]])
+        covariance = g["correlation"] * g["sigma_k1"] * g["sigma_k2"]
+        covariances = np.array([[g["sigma_k1"] ** 2, covariance], [covariance, g["sigma_k2"] ** 2]])
+        quality += g["weight"] * np.exp(-offset @ np.linalg.inv(covariances) @ offset / 2)
+    return float(1 - min(quality, 1) * known)
+
+
+@cache
+def terrain_cost_data() -> dict[str, Any]:
+    """What `footsel terrain-cost fit` found."""
+    values: dict[str, Any] = json.loads((resources.files("footsel.oracle") / "terrain_cost.json").read_text("utf-8"))
+    return values
+
+
+def height_between(heights: Vector, i: float, j: float) -> float:
+    """Bilinear height at fractional cell indices; NaN if a cell that takes part is unknown or beyond the map."""
+    i, j = round(i, 9), round(j, 9)
+    low_i, low_j = int(np.floor(i)), int(np.floor(j))
+    height = 0.0
+    for a, share_a in ((low_i, 1 - (i - low_i)), (low_i + 1, i - low_i)):
+        for b, share_b in ((low_j, 1 - (j - low_j)), (low_j + 1, j - low_j)):
+            if share_a * share_b > 0:
+                inside = 0 <= a < len(heights) and 0 <= b < len(heights)
+                height += share_a * share_b * (heights[a, b] if inside else np.nan)
+    return float(height)
 
 
 @cache

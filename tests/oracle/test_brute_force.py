@@ -9,7 +9,7 @@ from footsel.footholds.cost import foothold_cost
 from footsel.footholds.pose import tilt_rotation
 from footsel.footholds.reasons import Reason
 from footsel.legs import LEGS
-from footsel.oracle.brute_force import BruteForceOracle, brute_force_cell, terrain_cost, terrain_solid
+from footsel.oracle.brute_force import BruteForceOracle, brute_force_cell, terrain_solid
 from footsel.robot import load_robot
 from footsel.robot.robot import stance_configuration
 from footsel.terrain import LocalMap
@@ -133,10 +133,10 @@ def test_self_collision_is_that_of_every_pair_put_to_coal(robot, oracles, leg):
             )
 
         expected = any(touch(bodies.swing[i], bodies.obstacles[j]) for i, j in bodies.pairs)
-        assert oracles[leg].self_collides(angles) == expected
+        assert bool(oracles[leg].self_contact(angles)) == expected
         hits += expected
     assert 10 < hits < 240
-    assert not oracles[leg].self_collides(np.array(robot.description.stance[leg]))
+    assert not oracles[leg].self_contact(np.array(robot.description.stance[leg]))
 
 
 def test_terrain_is_a_solid_over_the_cells_and_nowhere_else():
@@ -218,8 +218,8 @@ def test_ground_that_tilts_with_the_base_collides_as_level_ground_does(oracles):
     # The points at one height in the base frame: tilt[:, 2] . (x, y, z) = -0.27.
     along = local_map((-0.27 - tilt[0, 2] * x - tilt[1, 2] * y) / tilt[2, 2])
     for angles in rng.uniform([-0.4, -1.3, 0.0], [0.4, 0.5, 2.0], (200, 3)):
-        level = oracle.terrain_collides(angles, flat(-0.27), NO_TILT)
-        assert oracle.terrain_collides(angles, along, tilt) == level
+        level = oracle.terrain_contact(angles, flat(-0.27), NO_TILT) is not None
+        assert (oracle.terrain_contact(angles, along, tilt) is not None) == level
         hits += level
     assert 20 < hits < 180
 
@@ -274,7 +274,7 @@ class TestMargin:
             for offset in rng.normal(size=(60, 3)):
                 inside = centre + offset / np.linalg.norm(offset) * margin * 0.98
                 configuration = oracle.inverse(inside)
-                assert configuration is not None and not oracle.self_collides(configuration)
+                assert configuration is not None and not oracle.self_contact(configuration)
             faces = rng.uniform(low, high, (4000, 3))
             joint = rng.integers(3, size=len(faces))
             faces[np.arange(len(faces)), joint] = np.where(rng.random(len(faces)) < 0.5, low[joint], high[joint])
@@ -298,43 +298,3 @@ class TestMargin:
         assert label.cost == pytest.approx(float(foothold_cost(c_k, 0.0)))
         without = brute_force_cell(robot, terrain, "LF", 0.0, 0.0, (20, 20), with_margin=False)
         assert np.isnan([without.cost, without.margin]).all()
-
-
-class TestTerrainCost:
-    GRID = np.stack(np.meshgrid(np.arange(5.0), np.arange(5.0), indexing="ij"))
-
-    @pytest.mark.parametrize("resolution", [0.01, 0.02, 0.04])
-    @pytest.mark.parametrize("axis", [0, 1])
-    def test_a_plane_costs_its_slope_at_any_cell_size(self, resolution, axis):
-        for slope in (0.0, 0.2, 0.7):
-            terrain = local_map(slope * resolution * self.GRID[axis], resolution)
-            assert terrain_cost(terrain, (2, 2)) == pytest.approx(1 - np.exp(-((slope / 0.7) ** 2) / 2), abs=1e-6)
-
-    def test_upper_edge_of_a_step_costs_more_than_its_foot(self):
-        step = np.where(self.GRID[0] > 2, 0.0, 0.03)
-        # Three of eight neighbours are 3 cm lower: k1 = k2 = 0.09 / (6 * 0.02) = 0.75.
-        k = 0.75
-        edge, foot = terrain_cost(local_map(step), (2, 2)), terrain_cost(local_map(step), (3, 2))
-        assert edge == pytest.approx(1 - np.exp(-((k / 0.7) ** 2) / 2 - (k / 0.5) ** 2 / 2), abs=1e-6)
-        assert foot == pytest.approx(1 - np.exp(-((k / 0.7) ** 2) / 2 - k**2 / 2), abs=1e-6)
-        assert foot < edge
-
-    def test_pit(self):
-        pit = np.zeros((5, 5))
-        pit[2, 2] = -0.015
-        # All eight neighbours are 1.5 cm higher: k2 = -k1 = 0.12 / 0.12 = 1.
-        assert terrain_cost(local_map(pit), (2, 2)) == pytest.approx(1 - np.exp(-((1 / 0.7) ** 2) / 2 - 0.5), abs=1e-6)
-
-    def test_missing_neighbours_raise_the_cost(self):
-        level = np.zeros((5, 5))
-        assert terrain_cost(local_map(level), (0, 0)) == pytest.approx(1 - 3 / 8)
-        assert terrain_cost(local_map(level), (0, 2)) == pytest.approx(1 - 5 / 8)
-        level[1, 1] = level[2, 3] = np.nan
-        assert terrain_cost(local_map(level), (2, 2)) == pytest.approx(1 - 6 / 8)
-        level[:] = np.nan
-        level[2, 2] = 0.0
-        assert terrain_cost(local_map(level), (2, 2)) == 1.0
-        # Two known neighbours, one of them 1 cm lower: k1 = k2 = 8 / 2 * 0.01 / 0.12 = 1/3.
-        level[2, 1], level[2, 3] = 0.0, -0.01
-        danger = 1 - np.exp(-((1 / 3 / 0.7) ** 2) / 2 - (1 / 3 / 0.5) ** 2 / 2)
-        assert terrain_cost(local_map(level), (2, 2)) == pytest.approx(1 - (1 - danger) / 4, abs=1e-6)
