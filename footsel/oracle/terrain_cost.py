@@ -106,72 +106,84 @@ def _features(heights: Array, step: float) -> tuple[Array, Array, Array]:  # pra
     """step: distance between the stencil's points, in cells."""
     rows, columns = heights.shape
     rings = len(RING_WEIGHTS)
-    k1, k2, share = np.full((3, rows, columns), np.nan)
-    # A stencil point lies between whole cells `low` and `low + 1`, `part` of the way.
-    low, part = np.empty(2 * rings + 1, dtype=np.int64), np.empty(2 * rings + 1)
-    weights = np.zeros((2 * rings + 1, 2 * rings + 1))
+    # A border of unknown cells, so that no point of the stencil needs to look whether it is on the map.
+    border = int(np.ceil(rings * step)) + 1
+    padded = np.full((rows + 2 * border, columns + 2 * border), np.nan)
+    padded[border : border + rows, border : border + columns] = heights
+    signed, absolute, known = np.zeros((3, rows, columns))
     total, slope_response = 0.0, 0.0
-    for a in range(2 * rings + 1):
-        offset = (a - rings) * step
-        low[a] = int(np.floor(offset + 1e-9))
-        part[a] = max(offset - low[a], 0.0)
-        if part[a] < 1e-9:
-            part[a] = 0.0
-        for b in range(2 * rings + 1):
-            ring = max(abs(a - rings), abs(b - rings))
-            if ring:
-                weights[a, b] = RING_WEIGHTS[ring - 1]
-                total += weights[a, b]
-                slope_response += weights[a, b] * abs(a - rings) * SPACING
+    # Point by point over the whole map: the inner loop runs along a row of memory.
+    for a in range(-rings, rings + 1):
+        for b in range(-rings, rings + 1):
+            if a == 0 and b == 0:
+                continue
+            weight = RING_WEIGHTS[max(abs(a), abs(b)) - 1]
+            total += weight
+            slope_response += weight * abs(a) * SPACING
+            _add_point(heights, padded, border, a * step, b * step, weight, signed, absolute, known)
     for i in range(rows):
         for j in range(columns):
-            centre = heights[i, j]
-            if np.isnan(centre):
-                continue
-            signed, absolute, known = 0.0, 0.0, 0.0
-            for a in range(2 * rings + 1):
-                for b in range(2 * rings + 1):
-                    if weights[a, b] == 0.0:
-                        continue
-                    height = _between(heights, i + low[a], j + low[b], part[a], part[b])
-                    if np.isnan(height):
-                        continue
-                    drop = min(max(centre - height, -LARGEST_DROP), LARGEST_DROP)
-                    signed += weights[a, b] * drop
-                    absolute += weights[a, b] * abs(drop)
-                    known += weights[a, b]
-            share[i, j] = known / total
-            scale = total / known / slope_response if known > 0.0 else 0.0
-            k1[i, j], k2[i, j] = signed * scale, absolute * scale
-    return k1, k2, share
+            if np.isnan(heights[i, j]):
+                signed[i, j] = absolute[i, j] = known[i, j] = np.nan
+            elif known[i, j] > 0.0:
+                scale = total / known[i, j] / slope_response
+                signed[i, j] *= scale
+                absolute[i, j] *= scale
+    return signed, absolute, known / total
 
 
 @numba.njit(cache=True)
-def _between(heights: Array, i: int, j: int, u: float, v: float) -> float:  # pragma: no cover - compiled
-    """Bilinear height u of the way from row i to i + 1 and v from column j to j + 1; NaN if a corner it needs is."""
+def _add_point(
+    heights: Array,
+    padded: Array,
+    border: int,
+    x: float,
+    y: float,
+    weight: float,
+    signed: Array,
+    absolute: Array,
+    known: Array,
+) -> None:  # pragma: no cover - compiled
+    """Add one point of the stencil, x and y cells away, to the sums of all cells; its height is bilinear.
+
+    If a cell that it needs is unknown, so is the point.
+    """
+    low_i, low_j = int(np.floor(x + 1e-9)), int(np.floor(y + 1e-9))
+    u, v = x - low_i, y - low_j
+    between_rows, between_columns = u > 1e-9, v > 1e-9
     rows, columns = heights.shape
-    height = 0.0
-    for a in range(2):
-        for b in range(2):
-            weight = (u if a else 1.0 - u) * (v if b else 1.0 - v)
-            if weight == 0.0:
-                continue
-            if not (0 <= i + a < rows and 0 <= j + b < columns):
-                return np.nan
-            height += weight * heights[i + a, j + b]
-    return height
+    for i in range(rows):
+        p, q = i + border + low_i, border + low_j
+        for j in range(columns):
+            height = padded[p, q + j]
+            if between_rows:
+                height += u * (padded[p + 1, q + j] - height)
+            if between_columns:
+                beside = padded[p, q + j + 1]
+                if between_rows:
+                    beside += u * (padded[p + 1, q + j + 1] - beside)
+                height += v * (beside - height)
+            drop = heights[i, j] - height
+            if not np.isnan(drop):
+                drop = min(max(drop, -LARGEST_DROP), LARGEST_DROP)
+                signed[i, j] += weight * drop
+                absolute[i, j] += weight * abs(drop)
+                known[i, j] += weight
 
 
 @numba.njit(cache=True)
 def _costs(k1: Array, k2: Array, known: Array, gaussians: Array) -> Array:  # pragma: no cover - compiled
-    costs = np.full(k1.shape, np.nan)
+    costs = 1.0 - 0.0 * known
+    quality = np.zeros(known.shape)
+    for weight, c1, c2, s1, s2, r in gaussians:
+        # The exponent as a quadratic form.
+        f = -0.5 / (1 - r * r)
+        aa, ab, bb = f / (s1 * s1), -2 * r * f / (s1 * s2), f / (s2 * s2)
+        for i in range(k1.shape[0]):
+            for j in range(k1.shape[1]):
+                a, b = k1[i, j] - c1, k2[i, j] - c2
+                quality[i, j] += weight * np.exp(aa * a * a + ab * a * b + bb * b * b)
     for i in range(k1.shape[0]):
         for j in range(k1.shape[1]):
-            if np.isnan(known[i, j]):
-                continue
-            quality = 0.0
-            for weight, c1, c2, s1, s2, r in gaussians:
-                a, b = (k1[i, j] - c1) / s1, (k2[i, j] - c2) / s2
-                quality += weight * np.exp(-(a * a - 2 * r * a * b + b * b) / (2 * (1 - r * r)))
-            costs[i, j] = 1.0 - min(quality, 1.0) * known[i, j]
+            costs[i, j] -= min(quality[i, j], 1.0) * known[i, j]
     return costs
