@@ -1,8 +1,8 @@
-"""Fill the tables of README.md from the files that commands wrote; `--check` only says whether they are up to date.
+"""Fill the tables of our pages from the files that commands wrote; `--check` only says whether they are up to date.
 
 docs/results/courses.json and maps.json are `compare.json` of the commands that README names, docs/results/bench.json is
 `footsel bench --out`, docs/results/verify.json is written by `make verify`, and export/anymal_b/metrics.json by
-`footsel export`.
+`footsel export`; footsel/oracle/terrain_cost.json by `footsel terrain-cost fit`.
 """
 
 import json
@@ -13,25 +13,36 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-README = ROOT / "README.md"
 RESULTS = ROOT / "docs" / "results"
+TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
 
 
 def main() -> int:
-    """Rewrite README's tables, or with --check return 1 if that would change it."""
-    before = README.read_text(encoding="utf-8")
-    after = before
-    for name, make in TABLES.items():
-        place = re.search(rf"(?<=<!-- (table|value): {name} -->).*?(?=<!-- end -->)", after, re.DOTALL)
-        if place is None:
-            raise SystemExit(f"README.md has no place for {name}")
-        after = after[: place.start()] + make() + after[place.end() :]
-    if "--check" in sys.argv[1:]:
-        if after != before:
-            print("README.md is out of date: run python docs/update_tables.py", file=sys.stderr)
-        return int(after != before)
-    README.write_text(after, encoding="utf-8")
+    """Rewrite the tables, or with --check return 1 if that would change a page."""
+    stale = []
+    for page, tables in PAGES.items():
+        path = ROOT / page
+        before = path.read_text(encoding="utf-8")
+        after = fill(page, before, tables)
+        if after == before:
+            continue
+        stale.append(page)
+        if "--check" not in sys.argv[1:]:
+            path.write_text(after, encoding="utf-8")
+    if "--check" in sys.argv[1:] and stale:
+        print(f"{', '.join(stale)} out of date: run python docs/update_tables.py", file=sys.stderr)
+        return 1
     return 0
+
+
+def fill(page: str, text: str, tables: dict[str, Callable[[], str]]) -> str:
+    """`text` with every table and value made anew."""
+    for name, make in tables.items():
+        place = re.search(rf"(?<=<!-- (table|value): {name} -->).*?(?=<!-- end -->)", text, re.DOTALL)
+        if place is None:
+            raise SystemExit(f"{page} has no place for {name}")
+        text = text[: place.start()] + make() + text[place.end() :]
+    return text
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
@@ -136,12 +147,56 @@ def verify() -> str:
     )
 
 
-TABLES: dict[str, Callable[[], str]] = {
-    "models": models,
-    "courses": lambda: comparison("courses.json"),
-    "maps": lambda: comparison("maps.json"),
-    "speed": speed,
-    "verify": verify,
+def slip() -> str:
+    """How the terrain cost goes with measured slip."""
+    figures = read(TERRAIN_COST)["figures"]
+    groups = {
+        "courses that were fitted": figures["fitted"],
+        "courses that were not": figures["held_out"],
+        "of these, cells drawn evenly": figures["held_out_uniform"],
+        **{f"of these, {family}": scores for family, scores in figures["held_out_by_family"].items()},
+    }
+    return table(
+        ["placements on", "number", "Spearman, worst quarter", "Spearman, mean slip", "mean slip [mm]"],
+        [
+            [
+                name,
+                str(scores["placements"]),
+                number(scores["spearman_worst_quarter"], 3),
+                number(scores["spearman_mean_slip"], 3),
+                number(scores["mean_slip_mm"]),
+            ]
+            for name, scores in groups.items()
+        ],
+    )
+
+
+def laws() -> str:
+    """What shapes cost that everyone knows the answer for."""
+    laws = read(TERRAIN_COST)["figures"]["laws"]
+
+    def costs(shape: str) -> str:
+        return ", ".join(f"{size}: {cost:.2f}" for size, cost in laws[shape].items())
+
+    return table(
+        ["shape", "cost"],
+        [
+            ["plane, by degrees", costs("slope_deg")],
+            ["upper edge of a step, by cm", costs("upper_edge_cm")],
+            ["foot of a step, by cm", costs("foot_of_step_cm")],
+        ],
+    )
+
+
+PAGES: dict[str, dict[str, Callable[[], str]]] = {
+    "README.md": {
+        "models": models,
+        "courses": lambda: comparison("courses.json"),
+        "maps": lambda: comparison("maps.json"),
+        "speed": speed,
+        "verify": verify,
+    },
+    "docs/terrain_cost.md": {"slip": slip, "laws": laws},
 }
 
 

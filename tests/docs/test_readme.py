@@ -17,7 +17,7 @@ def test_tables_are_up_to_date() -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md", "docs/paper.md"])
+@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md", "docs/paper.md", "docs/terrain_cost.md"])
 def test_links_and_files_exist(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     linked = [target for target in re.findall(r"\]\(([^)#]+)\)", text) if not target.startswith("http")]
