@@ -2,14 +2,18 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Maps made by others, if they are there; the oracle is verified on them as well.
+MAPS := $(wildcard ../shared/maps/*.npz)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test verify lint types contracts check bench clean help
+.PHONY: demo test test-slow verify verify-pybullet verify-meshes lint types contracts check bench clean help
 
 help:
 	@echo "make demo       compare the oracle, the network and baselines on built-in courses; writes demo/report.html"
 	@echo "make test       the fast tests"
-	@echo "make verify     the fast oracle against the brute-force reference"
+	@echo "make test-slow  what depends on a quiet machine"
+	@echo "make verify     the fast oracle against the brute-force reference (some 20 minutes; killed, it goes on later)"
+	@echo "make verify-pybullet, make verify-meshes   its collisions against PyBullet's contacts, against full meshes"
 	@echo "make check      lint, types, import contracts"
 	@echo "make bench      latency of every stage on this machine"
 
@@ -33,8 +37,17 @@ demo: $(VENV)/demo.stamp
 test: $(VENV)/dev.stamp
 	$(BIN)/python -m pytest -m "not slow"
 
+test-slow: $(VENV)/dev.stamp
+	$(BIN)/python -m pytest -m slow
+
 verify: $(VENV)/dev.stamp
-	$(BIN)/python -m footsel.oracle.verification $(wildcard ../shared/maps/*.npz) --out verify.json
+	$(BIN)/python -m footsel.oracle.verification $(MAPS) --out verify.json
+
+verify-pybullet: $(VENV)/dev.stamp
+	$(BIN)/python -m footsel.walking.cross_check contacts $(MAPS) --out verify-pybullet.json
+
+verify-meshes: $(VENV)/dev.stamp
+	$(BIN)/python -m footsel.walking.cross_check meshes $(MAPS) --cells 250 --out verify-meshes.json
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff format --check .
@@ -52,4 +65,4 @@ bench: $(VENV)/demo.stamp
 	$(BIN)/footsel bench --out bench.json
 
 clean:
-	rm -rf $(VENV) demo bench.json verify.json
+	rm -rf $(VENV) demo bench.json verify.json verify.json.parts verify-pybullet.json verify-meshes.json

@@ -14,7 +14,8 @@ from footsel.footholds.pose import tilt_rotation
 from footsel.footholds.reasons import Reason
 from footsel.oracle import Oracle
 from footsel.oracle.brute_force import BruteForceOracle, terrain_cost
-from footsel.oracle.self_collision import UNDECIDED, ExactSelfCollision
+from footsel.oracle.overlap import UNDECIDED
+from footsel.oracle.self_collision import ExactSelfCollision
 from footsel.oracle.swing_bodies import SwingBodies
 from footsel.oracle.tables import load_tables
 from footsel.oracle.terrain_collision import Terrain, TerrainCollision
@@ -120,8 +121,7 @@ class _FastStages:
 
     def _self_collisions(self, angles: Array) -> None:
         answers = self._tables.self_collision.look_up(angles)
-        for row in np.flatnonzero(answers == UNDECIDED):
-            self._exact.collides(angles[row])
+        self._exact.check(angles[answers == UNDECIDED])
 
 
 class _NaiveStages:
@@ -139,8 +139,8 @@ class _NaiveStages:
         cells = [(int(i), int(j)) for i, j in work.cells[known]]
         return {
             "kinematic_range": (lambda: [oracle.inverse(foot) for foot in work.feet[known]], len(known)),
-            "self_collision": (lambda: [oracle.self_collides(q) for q in angles], len(angles)),
-            "terrain_collision": (lambda: [oracle.terrain_collides(q, local_map, tilt) for q in angles], len(angles)),
+            "self_collision": (lambda: [oracle.self_contact(q) for q in angles], len(angles)),
+            "terrain_collision": (lambda: [oracle.terrain_contact(q, local_map, tilt) for q in angles], len(angles)),
             "kinematic_margin": (
                 lambda: [oracle.margin(*pair) for pair in zip(work.feet[feasible], feasible_angles, strict=True)],
                 len(feasible),

@@ -130,13 +130,6 @@ def selection_figure(
     return figure
 
 
-def draw_label(
-    path: Path, label: Label, local_map: LocalMap, leg: str, nominal_xy: NDArray[np.float64] | None = None
-) -> None:
-    """Write `label_figure` as a PNG."""
-    save_png(label_figure(label, local_map, leg, nominal_xy), path)
-
-
 def draw_selection(
     path: Path, elevation_map: ElevationMap, pose: BasePose, layout: LegLayout, footholds: Mapping[str, Foothold]
 ) -> None:

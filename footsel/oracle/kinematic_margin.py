@@ -14,7 +14,8 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
-from footsel.oracle.self_collision import COLLIDES, UNDECIDED, ExactSelfCollision, SelfCollisionTable
+from footsel.oracle.overlap import COLLIDES, UNDECIDED
+from footsel.oracle.self_collision import ExactSelfCollision, SelfCollisionTable
 from footsel.robot.robot import Robot
 
 #: Distance between nodes of the grid. [m]
@@ -80,9 +81,8 @@ class _Workspace:
         angles, inside = self._kinematics.inverse(points)
         angles = angles[inside]
         answers = self._table.look_up(angles)
-        free = answers != COLLIDES
-        for row in np.flatnonzero(answers == UNDECIDED):
-            free[row] = not self._exact.collides(angles[row])
+        free, undecided = answers != COLLIDES, answers == UNDECIDED
+        free[undecided] = ~self._exact.check(angles[undecided])
         inside[inside] = free
         return inside
 

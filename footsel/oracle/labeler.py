@@ -10,7 +10,8 @@ from footsel.footholds.cost import INFEASIBLE_COST, foothold_cost
 from footsel.footholds.pose import tilt_rotation
 from footsel.footholds.reasons import Reason
 from footsel.legs import check_leg
-from footsel.oracle.self_collision import COLLIDES, UNDECIDED, ExactSelfCollision
+from footsel.oracle.overlap import COLLIDES, UNDECIDED
+from footsel.oracle.self_collision import ExactSelfCollision
 from footsel.oracle.swing_bodies import SwingBodies
 from footsel.oracle.tables import load_tables
 from footsel.oracle.terrain_collision import Terrain, TerrainCollision
@@ -107,8 +108,8 @@ class LegOracle:
     def _self_collides(self, angles: NDArray[np.float64]) -> NDArray[np.bool_]:
         answers = self._tables.self_collision.look_up(angles * self._angle_signs)
         collides = np.asarray(answers == COLLIDES)
-        for row in np.flatnonzero(answers == UNDECIDED):
-            collides[row] = self._exact_self_collision.collides(angles[row])
+        undecided = answers == UNDECIDED
+        collides[undecided] = self._exact_self_collision.check(angles[undecided])
         return collides
 
 

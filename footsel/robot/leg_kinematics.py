@@ -104,8 +104,9 @@ class LegKinematics:
                 self.shank,
                 [self.knee_sign, self.knee_branch, self.below],
                 self.limits.ravel(),
-                self.hfe - self.haa,
-                self.kfe - self.hfe,
+                self.basis @ (self.haa - self.hip),
+                self.basis @ (self.hfe - self.haa),
+                self.basis @ (self.kfe - self.hfe),
             ]
         )
 
@@ -197,45 +198,32 @@ def solve_many(
 @numba.njit(cache=True)
 def link_frames(
     leg: NDArray[np.float64],
+    axes: NDArray[np.float64],
     haa: float,
     hfe: float,
     kfe: float,
     rotations: NDArray[np.float64],
     origins: NDArray[np.float64],
 ) -> None:  # pragma: no cover - compiled
-    """How thigh and shank have moved from the zero configuration.
+    """Where thigh and shank are, in the frame in which the leg's u, v, w at zero angles are the rows of axes (3, 3).
 
-    rotations: (2, 3, 3) out, rotation of thigh and shank from zero angles, in base axes.
+    rotations: (2, 3, 3) out, from the leg's u, v, w at zero angles to that frame: column by column, where they went.
     origins: (2, 3) out, HFE and KFE points relative to the hip point, in [m].
     """
-    abduction, thigh_turn, shank_turn = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    _axis_rotation(leg[0:3], haa, abduction)
-    _axis_rotation(leg[3:6], hfe, thigh_turn)
-    _axis_rotation(leg[3:6], hfe + leg[19] * kfe, shank_turn)
+    c, s = np.cos(haa), np.sin(haa)
+    c_thigh, s_thigh = np.cos(hfe), np.sin(hfe)
+    turn = hfe + leg[19] * kfe
+    c_shank, s_shank = np.cos(turn), np.sin(turn)
     for i in range(3):
-        for j in range(3):
-            thigh, shank = 0.0, 0.0
-            for k in range(3):
-                thigh += abduction[i, k] * thigh_turn[k, j]
-                shank += abduction[i, k] * shank_turn[k, j]
-            rotations[0, i, j], rotations[1, i, j] = thigh, shank
-    for i in range(3):
-        origin = leg[9 + i]
-        for k in range(3):
-            origin += abduction[i, k] * leg[28 + k]
-        origins[0, i] = origin
-        for k in range(3):
-            origin += rotations[0, i, k] * leg[31 + k]
-        origins[1, i] = origin
-
-
-@numba.njit(cache=True)
-def _axis_rotation(
-    axis: NDArray[np.float64], angle: float, out: NDArray[np.float64]
-) -> None:  # pragma: no cover - compiled
-    """Rodrigues' formula."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y, z = axis[0], axis[1], axis[2]
-    out[0, 0], out[0, 1], out[0, 2] = c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s
-    out[1, 0], out[1, 1], out[1, 2] = y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s
-    out[2, 0], out[2, 1], out[2, 2] = z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)
+        u = axes[0, i]
+        v, w = c * axes[1, i] + s * axes[2, i], c * axes[2, i] - s * axes[1, i]
+        u_thigh, w_thigh = c_thigh * u - s_thigh * w, c_thigh * w + s_thigh * u
+        rotations[0, i, 0], rotations[0, i, 1], rotations[0, i, 2] = u_thigh, v, w_thigh
+        rotations[1, i, 0], rotations[1, i, 1], rotations[1, i, 2] = (
+            c_shank * u - s_shank * w,
+            v,
+            c_shank * w + s_shank * u,
+        )
+        haa_point = leg[28] * u + leg[29] * axes[1, i] + leg[30] * axes[2, i]
+        origins[0, i] = haa_point + leg[31] * u + leg[32] * v + leg[33] * w
+        origins[1, i] = origins[0, i] + leg[34] * u_thigh + leg[35] * v + leg[36] * w_thigh

@@ -38,6 +38,7 @@ def test_fields(figures):
     assert figures["cpu"] == cpu_name() and figures["threads"] == 1
     assert set(figures["oracle_ms_per_map"]) == {"p50", "p99"}
     assert figures["oracle_naive_ms_per_map"] > figures["oracle_ms_per_map"]["p50"] > 0
+    assert figures["oracle_times_as_fast"] > 10
     assert set(figures["models"]) == {"float32", "int8"} and figures["default"] in figures["models"]
     for parts in figures["models"].values():
         assert set(parts["network_ms"]) == {"p50", "p99"}

@@ -53,11 +53,58 @@ def test_the_parts_agree_with_each_other(label):
     assert np.ptp(hip_height) < 1e-6
 
 
+def test_the_parts_that_explain_agree_with_the_reasons(label):
+    names = label["reason_names"][label["reason"]]
+    assert label["joint_angles"].shape == (40, 40, 3) and label["joint_angles"].dtype == np.float32
+    out_of_range = np.isin(names, ["UNKNOWN", "KINEMATIC_RANGE"])
+    np.testing.assert_array_equal(np.isnan(label["joint_angles"]).any(axis=-1), out_of_range)
+    assert label["touching"].shape == (40, 40, 2) and label["touching"].dtype == np.uint8
+    assert label["body_names"].dtype.kind == "U"
+    swing, other = np.moveaxis(label["body_names"][label["touching"]], -1, 0)
+    collides = np.isin(names, ["SELF_COLLISION", "TERRAIN_COLLISION"])
+    assert collides.any()
+    np.testing.assert_array_equal(np.char.startswith(swing, "RH_"), collides)
+    np.testing.assert_array_equal(other == "terrain", names == "TERRAIN_COLLISION")
+    np.testing.assert_array_equal((swing == "") & (other == ""), ~collides)
+
+
+def test_one_cell_in_words(footsel, bumpy_map, label):
+    arguments = ("label", bumpy_map, "--leg", "RH", "--pose", *POSE)
+    for reason in np.unique(label["reason"]):
+        i, j = np.argwhere(label["reason"] == reason)[0]
+        outcome = footsel(*arguments, "--cell", i, j)
+        assert outcome.code == 0 and outcome.err == ""
+        name = label["reason_names"][reason].lower()
+        assert outcome.out.startswith(f"RH cell {i} {j} at x=")
+        assert name.replace("_", " ") in outcome.out.replace("-", " ")
+        if label["touching"][i, j].any():
+            swing, other = label["body_names"][label["touching"][i, j]]
+            assert f"{swing} against {other}" in outcome.out
+        x, y = label["positions"][i, j, :2]
+        assert footsel(*arguments, "--at", x, y).out == outcome.out
+
+
+def test_cells_that_do_not_exist(footsel, bumpy_map):
+    arguments = ("label", bumpy_map, "--leg", "RH", "--pose", *POSE)
+    assert footsel(*arguments, "--cell", 40, 0).complains("cell 40 0", "39 39")
+    assert footsel(*arguments, "--cell", "-1", 0).complains("'-1'", "0 or more")
+    assert footsel(*arguments, "--cell", 3).complains("--cell")
+    assert footsel(*arguments, "--at", 3, 0).complains("x=3 y=0", "not on the local map")
+    assert footsel(*arguments, "--at", 0, 0, "--cell", 1, 1).complains("not allowed with")
+    assert footsel(*arguments).complains("nothing to do", "--out")
+
+
+def test_help_says_what_the_file_holds(footsel, label):
+    text = footsel("label", "--help").out
+    for key in label:
+        assert key in text
+
+
 def test_plot(footsel, bumpy_map, tmp_path, level_pose):
     out, plot = tmp_path / "label.npz", tmp_path / "label.png"
     assert footsel("label", bumpy_map, "--leg", "LF", *level_pose, "--out", out, "--plot", plot).code == 0
     with Image.open(plot) as image:
-        assert image.format == "PNG" and image.width > 2 * image.height
+        assert image.format == "PNG" and min(image.size) > 1000
 
 
 @pytest.mark.parametrize("target", ["no/such/folder/label.npz", "a_folder"])

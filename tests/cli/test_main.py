@@ -40,7 +40,7 @@ def test_help_lists_all_commands(footsel):
     outcome = footsel("--help")
     assert outcome.code == 0
     for command in COMMANDS:
-        assert re.search(rf"^ +{command} +\w", outcome.out, flags=re.MULTILINE)
+        assert re.search(rf"^ +{command}\s+\w", outcome.out, flags=re.MULTILINE)
 
 
 def test_help_of_select_names_every_selector(footsel):

@@ -71,7 +71,7 @@ def test_disagreements_have_their_own_colours(local_map, label):
 def test_figures_are_written_whole(tmp_path, maps, local_map, label):
     oracle = make_selector("oracle")
     pose = BasePose(5.0, -2.0, 0.6, yaw=0.4)
-    panels.draw_label(tmp_path / "label.png", label, local_map, "LF", oracle.layout.nominal_xy("LF", pose))
+    panels.save_png(panels.label_figure(label, local_map, "LF"), tmp_path / "label.png")
     footholds = oracle.select(maps[0].elevation_map, pose, top_k=3)
     panels.draw_selection(tmp_path / "selection.png", maps[0].elevation_map, pose, oracle.layout, footholds)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["label.png", "selection.png"]

@@ -1,6 +1,5 @@
 """Laws of a label: what its arrays hold, and how it follows the terrain, the tilt and the side of the robot."""
 
-import coal
 import numpy as np
 import pytest
 
@@ -9,8 +8,6 @@ from footsel.footholds.cost import INFEASIBLE_COST, foothold_cost
 from footsel.footholds.pose import tilt_rotation
 from footsel.legs import LEGS, mirror_of
 from footsel.oracle import Label, Oracle
-from footsel.oracle.swing_bodies import SwingBodies, skin_points
-from footsel.oracle.terrain_collision import Terrain, TerrainCollision
 from footsel.terrain import LocalMap
 from footsel.terrain.courses import make_course
 
@@ -106,38 +103,3 @@ def test_a_wall_beside_the_foot_makes_the_leg_collide(oracle: Oracle) -> None:
     assert lost[:23].sum() < 10
     # A wall takes footholds away and gives none.
     assert not (walled.feasible & ~free.feasible)[np.r_[:24, 26:40]].any()
-
-
-def test_screening_agrees_with_coal_alone(oracle: Oracle) -> None:
-    """Cells that the cover spheres settle are settled as coal would."""
-    robot = oracle.robot
-    collision = TerrainCollision(SwingBodies.of(robot, "LF", robot.bodies["LF"].trimmed))
-    verdicts: list[bool] = []
-    for family, roll, pitch in (("pillars", 0.1, 0.0), ("blocks", 0.0, -0.2), ("rubble", -0.1, 0.2)):
-        ground = course_map(family, 5)
-        label = oracle.label(ground, "LF", roll, pitch)
-        in_range = ~np.isnan(label.joint_angles).any(axis=-1)
-        angles = label.joint_angles[in_range][::5]
-        terrain = Terrain(ground.heights.astype(np.float64), ground.resolution)
-        tilt = tilt_rotation(roll, pitch)
-        fast = collision.check(terrain, tilt, angles)
-        assert fast.tolist() == [bool(collision.touching(terrain, tilt, q)) for q in angles]
-        verdicts += fast.tolist()
-    assert 0.1 < np.mean(verdicts) < 0.9
-
-
-def test_skin_lies_inside_its_shape(oracle: Oracle) -> None:
-    """So that a point below the terrain means that the body is in it."""
-    for body in oracle.robot.bodies["LH"].trimmed:
-        points = skin_points(body.shape)
-        assert len(points) > 20
-        for point in points:
-            depth = -coal.distance(
-                body.shape,
-                coal.Transform3s.Identity(),
-                coal.Sphere(1e-9),
-                coal.Transform3s(np.eye(3), point),
-                coal.DistanceRequest(),
-                coal.DistanceResult(),
-            )
-            assert depth > 0
