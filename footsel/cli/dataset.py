@@ -1,11 +1,14 @@
 """Make a dataset of labelled local maps on generated terrain.
 
-The same command goes on where an interrupted one stopped. The result depends on the seed, never on the number of jobs.
+The same command goes on where an interrupted one stopped. The result depends on the seed, never on the number of jobs
+or on where they run.
 """
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
+import sys
+import time
+from collections.abc import Mapping
+from typing import Any
 
 from footsel.cli.numbers import whole_number
 from footsel.cli.options import add_jobs, add_pairs, add_robot, add_seed, needing, output_folder
@@ -28,10 +31,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="paper: one composed map, four headings, level base; footsel: courses of all families, any heading, "
         "tilt up to 15 degrees, holes (default: %(default)s)",
     )
-    parser.add_argument("--families", nargs="+", default=(), metavar="FAMILY", help="terrain families to draw from")
-    parser.add_argument("--exclude", nargs="+", default=(), metavar="FAMILY", help="terrain families to leave out")
-    parser.add_argument("--engine", choices=("local", "dask"), default="local", help="where the jobs run")
-    parser.add_argument("--scheduler", metavar="ADDR", help="address of the Dask scheduler, such as tcp://host:8786")
+    parser.add_argument(
+        "--families", nargs="+", default=(), metavar="FAMILY", help="terrain families to draw from (default: all)"
+    )
+    parser.add_argument(
+        "--exclude",
+        nargs="+",
+        default=(),
+        metavar="FAMILY",
+        help="terrain families to leave out, such as those that a network shall be judged on unseen",
+    )
+    parser.add_argument(
+        "--maps-per-shard", type=whole_number(1), default=250, metavar="N", help="in one file (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--engine",
+        choices=("local", "dask"),
+        default="local",
+        help="where the jobs run: processes on this machine, or the workers of a Dask cluster (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDR",
+        help="address of the Dask scheduler, such as tcp://host:8786; its workers need footsel[oracle,cluster] and "
+        "no common disk",
+    )
     add_robot(parser)
     add_seed(parser)
     add_jobs(parser)
@@ -43,7 +67,8 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--engine dask and --scheduler ADDR belong together", "give both or neither")
     with needing("footsel dataset", "oracle"):
         from footsel.dataset import open_dataset
-        from footsel.dataset.generate import DatasetConfig, generate
+        from footsel.dataset.config import DatasetConfig
+        from footsel.dataset.generate import generate
 
     config = DatasetConfig(
         robot=args.robot,
@@ -53,36 +78,24 @@ def run(args: argparse.Namespace) -> int:
         recipe=args.recipe,
         families=tuple(args.families),
         exclude=tuple(args.exclude),
+        maps_per_shard=args.maps_per_shard,
     )
-    with _engine(args.engine, args.scheduler):
-        manifest = generate(config, args.out, args.jobs)
-    dataset = open_dataset(args.out)
-    for pair in dataset.pairs:
-        entry = dataset.manifest["pairs"][pair]
-        shares = {name.lower().replace("_", " "): share for name, share in entry["reason_shares"].items()}
-        unknown = shares.pop("unknown")
-        known = ", ".join(f"{share:.1%} {name}" for name, share in shares.items())
-        print(f"{pair}: {entry['samples']} maps, {unknown:.1%} of their cells unknown; of the others {known}")
-    print(f"manifest: {manifest}")
+    began = time.monotonic()
+    path = generate(config, args.out, args.jobs, args.scheduler)
+    print(f"finished after {time.monotonic() - began:.0f} s", file=sys.stderr)
+    manifest = open_dataset(args.out).manifest
+    for name, entry in (*manifest["pairs"].items(), ("all", manifest)):
+        print(f"{name}: {entry['samples']} maps; {_in_words(entry)}")
+    print(f"manifest: {path}")
     print(f"next: footsel train {args.out} RUN --recipe {args.recipe}")
     return 0
 
 
-@contextmanager
-def _engine(name: str, scheduler: str | None) -> Iterator[None]:
-    """joblib's local backend, or the Dask cluster of a scheduler."""
-    if name == "local":
-        yield
-        return
-    with needing("--engine dask", "cluster"):
-        from distributed import Client
-    from joblib import parallel_config
+def _in_words(entry: Mapping[str, Any]) -> str:
+    """What decides the cells."""
+    known = ", ".join(f"{share:.1%} {_spelt(name)}" for name, share in entry["reason_shares"].items())
+    return f"{entry['unknown_share']:.1%} of their cells unknown, of the known ones {known}"
 
-    try:
-        client = Client(scheduler, timeout=10)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"no Dask scheduler answers at {scheduler} ({error})", "start one with `dask scheduler`"
-        ) from None
-    with client, parallel_config("dask"):
-        yield
+
+def _spelt(name: str) -> str:
+    return name.lower().replace("_", " ")

@@ -1,158 +1,162 @@
-"""Labelled pairs in parallel. A shard's bytes depend on the seed, the pair and the shard's number alone."""
+"""Labelled pairs in parallel. A shard's bytes depend on the seed, the pair and the shard's number alone.
 
-import json
-import os
-import platform
+The workers hand the content of shards back and this process alone writes: a file is there whole or not at all, whatever
+is killed, and a cluster needs no common disk.
+"""
+
+import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import joblib
-import numpy as np
 from tqdm import tqdm
 
-import footsel
-from footsel.dataset.samples import Samples, decode_heights, encode_heights
-from footsel.dataset.sampling import SamplingRecipe
-from footsel.dataset.store import MANIFEST, shard_path, summarise, write_json, write_shard
+from footsel.dataset.config import DatasetConfig
+from footsel.dataset.engine import engine
+from footsel.dataset.folder import claimed_folder
+from footsel.dataset.store import (
+    MANIFEST,
+    ShardRecord,
+    open_dataset,
+    pack_shard,
+    pair_entry,
+    record_shard,
+    shard_path,
+    write_json,
+    write_shard,
+)
+from footsel.dataset.tally import add_tallies, tally_shares
+from footsel.dataset.versions import versions
 from footsel.errors import InputError
-from footsel.footholds.layout import LegLayout
-from footsel.legs import PAIRS, TRAINED_LEG, check_pair
-from footsel.oracle import Oracle
-from footsel.robot import load_robot
-from footsel.terrain import LocalMap, extract_local_map_as_paper
-from footsel.terrain.degradation import punch_holes
 
-CONFIG = "config.json"
-SAMPLES_PER_SHARD = 250
-SAMPLES_PER_COURSE = 25
+#: Pair of legs and number of a shard.
+ShardKey = tuple[str, int]
 
 
 @dataclass(frozen=True)
-class DatasetConfig:
-    """What a dataset is made of; with the versions of the libraries it fixes every byte."""
+class MadeShard:
+    """What a worker hands back: the content of a shard's file, and the versions of the software that made it."""
 
-    robot: str
-    pairs: tuple[str, ...]
-    maps: int
-    seed: int
-    recipe: str
-    families: tuple[str, ...] = ()
-    exclude: tuple[str, ...] = ()
+    pair: str
+    number: int
+    content: bytes
+    versions: dict[str, str]
 
 
-def generate(config: DatasetConfig, out: Path, jobs: int = -1) -> Path:
+def generate(config: DatasetConfig, out: Path, jobs: int = -1, scheduler: str | None = None) -> Path:
     """Make or finish the dataset in folder `out`; shards that are already there are kept. Returns the manifest's path.
 
-    Runs on joblib's current backend, so `joblib.parallel_config("dask", ...)` around it moves it to a cluster.
-    Raises InputError if the folder holds a dataset of another configuration.
+    jobs: processes on this machine, -1 for one per core. scheduler: address of a Dask scheduler whose workers do the
+    work in their place.
+    Raises InputError if the folder holds something else, WorkersLostError if workers die.
     """
-    for pair in config.pairs:
-        check_pair(pair)
-    if config.maps < 1:
-        raise InputError(f"{config.maps} maps", "give a number of maps per pair, at least 1")
-    _sampling(config)
-    _claim(config, out)
-    # Tables are built once here, not by every worker at once.
-    robot = load_robot(config.robot)
-    for pair in config.pairs:
-        flat = LocalMap(np.zeros((4, 4), dtype=np.float32), robot.layout.resolution, np.zeros(3), 0.0)
-        Oracle.load(config.robot).label(flat, TRAINED_LEG[pair])
-
-    shards = -(-config.maps // SAMPLES_PER_SHARD)
-    missing = [
-        (pair, number)
-        for pair in config.pairs
-        for number in range(shards)
-        if not shard_path(out, pair, number).exists()
-    ]
-    done = len(config.pairs) * shards - len(missing)
-    parallel = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")
-    work = parallel(joblib.delayed(_make_shard)(config, out, pair, number) for pair, number in missing)
-    for _ in tqdm(work, total=done + len(missing), initial=done, desc="shards", unit="shard"):
-        pass
-
-    manifest: dict[str, Any] = {
-        "config": asdict(config),
-        "versions": _versions(),
-        "pairs": {pair: summarise(out, pair, shards) for pair in config.pairs},
-    }
-    write_json(out / MANIFEST, manifest)
+    with engine(scheduler) as place, claimed_folder(out, config, versions()):
+        records = _finished(config, out)
+        missing = [key for key in config.shard_keys() if key not in records]
+        if missing:
+            (out / MANIFEST).unlink(missing_ok=True)
+            _make(config, out, missing, records, jobs, place)
+        write_json(out / MANIFEST, _manifest(config, records))
     return out / MANIFEST
 
 
-def make_samples(config: DatasetConfig, pair: str, number: int) -> Samples:
-    """The samples of one shard."""
-    rng = np.random.default_rng([config.seed, PAIRS.index(pair), number])
-    sampling = _sampling(config)
-    oracle = Oracle.load(config.robot)
-    layout = oracle.robot.layout
-    leg = TRAINED_LEG[pair]
-    count = min(SAMPLES_PER_SHARD, config.maps - number * SAMPLES_PER_SHARD)
-    heights, costs, reasons, poses, families, courses = [], [], [], [], [], []
-    for index in range(count):
-        if index % SAMPLES_PER_COURSE == 0:
-            family, seed, course = sampling.draw_course(rng)
-        pose = sampling.draw_pose(rng, course, layout)
-        local_map = _local_map(config, layout, course, pose, leg)
-        cells = local_map.heights
-        if rng.random() < sampling.holes:
-            cells = punch_holes(cells, rng)
-        steps = encode_heights(cells)
-        # The stored pose is what the label is made for, to the last bit.
-        kept = np.array(pose.as_list(), dtype=np.float32)
-        rounded = LocalMap(decode_heights(steps), local_map.resolution, local_map.hip, local_map.yaw)
-        label = oracle.label(rounded, leg, float(kept[3]), float(kept[4]))
-        heights.append(steps)
-        costs.append(label.cost_image)
-        reasons.append(label.reason)
-        poses.append(kept)
-        families.append(family)
-        courses.append(seed)
-    return Samples(
-        np.array(heights), np.array(costs), np.array(reasons), np.array(poses), np.array(families), np.array(courses)
-    )
+def _finished(config: DatasetConfig, out: Path) -> dict[ShardKey, ShardRecord]:
+    """Shards of an earlier run; one that is damaged, or not the one that a manifest describes, is made again."""
+    sealed = _sealed(out)
+    records = {}
+    for key in config.shard_keys():
+        path = shard_path(out, *key)
+        if not path.exists():
+            continue
+        try:
+            record = record_shard(out, *key)
+        except InputError:
+            record = None
+        if record is None or sealed.get(record.file, record.sha256) != record.sha256:
+            print(f"{path} is damaged and will be made again", file=sys.stderr)
+        else:
+            records[key] = record
+    return records
 
 
-def _sampling(config: DatasetConfig) -> SamplingRecipe:
-    return SamplingRecipe.of(config.recipe, config.families, config.exclude, map_seed=config.seed)
+def _sealed(out: Path) -> dict[str, str]:
+    """sha256 of every shard's file, if an earlier run came to its end."""
+    try:
+        pairs = open_dataset(out).manifest["pairs"]
+        return {shard["file"]: shard["sha256"] for entry in pairs.values() for shard in entry["shards"]}
+    except (InputError, AttributeError, KeyError, TypeError):
+        return {}
 
 
-def _local_map(config: DatasetConfig, layout: LegLayout, course: Any, pose: Any, leg: str) -> LocalMap:
-    """The paper cuts, rotates and crops; otherwise the course is sampled at the rotated cell centres."""
-    if config.recipe == "paper":
-        return extract_local_map_as_paper(course, layout.hip_position(leg, pose), pose.yaw, layout.resolution)
-    return layout.local_map(course, pose, leg)
+def _make(
+    config: DatasetConfig,
+    out: Path,
+    missing: list[ShardKey],
+    records: dict[ShardKey, ShardRecord],
+    jobs: int,
+    place: str,
+) -> None:
+    """Make the missing shards, write each as it comes in, and add its record."""
+    done = sum(record.samples for record in records.values())
+    total = config.maps * len(config.pairs)
+    if done:
+        print(f"{out} has {done} of {total} maps; going on with the others {place}", file=sys.stderr)
+    with tqdm(
+        total=total,
+        initial=done,
+        desc="maps",
+        unit=" maps",
+        smoothing=0.1,
+        # Into a file go a few lines and not a picture that moves.
+        mininterval=0.2 if sys.stderr.isatty() else 15,
+    ) as progress:
+        for made in _work(config, missing, jobs):
+            _check_versions(made.versions)
+            key = made.pair, made.number
+            write_shard(shard_path(out, *key), made.content)
+            records[key] = record_shard(out, *key)
+            progress.update(records[key].samples)
 
 
-def _make_shard(config: DatasetConfig, out: Path, pair: str, number: int) -> None:
-    write_shard(shard_path(out, pair, number), make_samples(config, pair, number))
+def _work(config: DatasetConfig, missing: list[ShardKey], jobs: int) -> Iterator[MadeShard]:
+    """The missing shards, in the order in which they get ready."""
+    with joblib.Parallel(n_jobs=jobs, return_as="generator_unordered") as parallel:
+        # Tables that do not exist yet are built once per pair and not by every worker.
+        for _ in parallel(joblib.delayed(_prepare)(config, pair) for pair in dict(missing)):
+            pass
+        yield from parallel(joblib.delayed(_make_shard)(config, pair, number) for pair, number in missing)
 
 
-def _claim(config: DatasetConfig, out: Path) -> None:
-    """Write the configuration into an empty folder, or check that it is the folder's."""
-    path = out / CONFIG
-    wanted = json.loads(json.dumps(asdict(config)))
-    if path.exists():
-        found = json.loads(path.read_text(encoding="utf-8"))
-        if found != wanted:
-            raise InputError(f"{out} holds a dataset of another configuration", "choose another folder or delete it")
-        return
-    out.mkdir(parents=True, exist_ok=True)
-    if any(out.iterdir()):
-        raise InputError(f"{out} is not empty and holds no dataset", "choose another folder")
-    write_json(path, wanted)
+def _prepare(config: DatasetConfig, pair: str) -> None:
+    # Robot models and numba are for the workers: the process that asks them stays small.
+    from footsel.dataset.labelling import prepare
+
+    prepare(config, pair)
 
 
-def _versions() -> dict[str, str]:
-    import coal
-    import pinocchio
+def _make_shard(config: DatasetConfig, pair: str, number: int) -> MadeShard:
+    from footsel.dataset.labelling import make_samples
 
+    return MadeShard(pair, number, pack_shard(make_samples(config, pair, number)), versions())
+
+
+def _check_versions(found: dict[str, str]) -> None:
+    """Raise InputError if a worker's software is not ours, which the manifest will name."""
+    others = [
+        f"{name} {found.get(name)} and not {ours}" for name, ours in versions().items() if found.get(name) != ours
+    ]
+    if others:
+        raise InputError(f"a worker has {', '.join(others)}", "install the same on all machines")
+
+
+def _manifest(config: DatasetConfig, records: dict[ShardKey, ShardRecord]) -> dict[str, Any]:
+    """Everything about the dataset, in an order that does not depend on who finished first."""
+    ordered = {pair: [records[pair, number] for number in range(config.shards)] for pair in config.pairs}
     return {
-        "footsel": footsel.__version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "coal": coal.__version__,
-        "pinocchio": pinocchio.__version__,
-        "machine": f"{platform.machine()} {os.name}",
+        "config": asdict(config),
+        "versions": versions(),
+        **tally_shares(add_tallies(record.tally for record in records.values())),
+        "pairs": {pair: pair_entry(ordered[pair]) for pair in config.pairs},
     }

@@ -1,27 +1,28 @@
 """A dataset on disk: a folder per pair with `.npz` shards, and a manifest that describes and seals them."""
 
 import hashlib
+import io
 import json
 import zipfile
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from footsel.dataset.samples import Samples
-from footsel.errors import InputError
+from footsel.dataset.sampling import COMPOSED
+from footsel.dataset.tally import Tally, add_tallies, tally_of, tally_shares
+from footsel.errors import InputError, UnknownNameError
 from footsel.files import replace_file
-from footsel.footholds.cost import CLASSES, cost_to_class
-from footsel.footholds.reasons import REASON_NAMES, Reason
 from footsel.legs import check_pair
+from footsel.terrain.courses import FAMILIES
 
 MANIFEST = "manifest.json"
 
-#: Share of the shards, the last ones, that training holds back. Shards share no course, so nothing leaks.
+#: Share of the shards, the last ones, that training holds back.
 VALIDATION_SHARE = 0.05
 
 
@@ -52,7 +53,7 @@ class Dataset:
         families: Sequence[str] | None = None,
         exclude: Sequence[str] | None = None,
     ) -> Samples:
-        """Samples of a pair: of the given shards (default all) and terrain families."""
+        """Samples of a pair: of the given shards and terrain families (default all), without the excluded families."""
         numbers = range(self.shard_count(pair)) if shards is None else shards
         samples = Samples.concatenate([read_shard(shard_path(self.path, pair, number)) for number in numbers])
         keep = np.ones(len(samples), dtype=np.bool_)
@@ -62,13 +63,25 @@ class Dataset:
             keep &= ~np.isin(samples.family, exclude)
         return samples if keep.all() else samples.take(keep)
 
-    def split(self, pair: str) -> tuple[Samples, Samples]:
-        """(training, validation) samples; validation is the last 5 % of the shards, at least one."""
+    def split(
+        self, pair: str, families: Sequence[str] | None = None, exclude: Sequence[str] | None = None
+    ) -> tuple[Samples, Samples]:
+        """(training, validation) samples of the given families; validation is the last 5 % of the shards, at least one.
+
+        They share no course. The exception is the paper's recipe, which samples both from its one map.
+        """
+        self._check_families(pair, (*(families or ()), *(exclude or ())))
         count = self.shard_count(pair)
         held = max(int(count * VALIDATION_SHARE), 1)
         if held >= count:
-            raise InputError(f"the dataset {self.path} has {count} shard of {pair}", "training needs at least two")
-        return self.load(pair, range(count - held)), self.load(pair, range(count - held, count))
+            raise InputError(
+                f"the dataset {self.path} has {count} shard of {pair}", "training needs at least two: make more maps"
+            )
+        training = self.load(pair, range(count - held), families, exclude)
+        validation = self.load(pair, range(count - held, count), families, exclude)
+        # Shards draw their courses' seeds apart from each other, so the same one may come twice in a billion.
+        shared = np.isin(validation.course, training.course) & (validation.family != COMPOSED)
+        return training, validation.take(~shared)
 
     def verify(self) -> None:
         """Raise InputError if a shard is not the one that the manifest describes."""
@@ -77,6 +90,12 @@ class Dataset:
                 path = shard_path(self.path, pair, number)
                 if not path.exists() or _sha256(path) != entry["sha256"]:
                     raise InputError(f"{path} is missing or differs from the manifest", "generate the dataset again")
+
+    def _check_families(self, pair: str, names: Sequence[str]) -> None:
+        known = self._entry(pair)["families"]
+        for name in names:
+            if name not in (*known, *FAMILIES):
+                raise UnknownNameError("terrain family", name, known)
 
     def _entry(self, pair: str) -> dict[str, Any]:
         if check_pair(pair) not in self.manifest["pairs"]:
@@ -103,11 +122,19 @@ def shard_path(root: Path, pair: str, number: int) -> Path:
     return root / pair / f"shard_{number:05d}.npz"
 
 
-def write_shard(path: Path, samples: Samples) -> None:
-    """Write a shard; it appears whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    arrays = {f.name: getattr(samples, f.name) for f in fields(samples)}
-    replace_file(path, lambda temporary: np.savez_compressed(temporary, **arrays))
+def pack_shard(samples: Samples) -> bytes:
+    """The content of a shard's file: the same bytes for the same samples."""
+    file = io.BytesIO()
+    # The zip's time stamps are constants of NumPy's writer.
+    np.savez_compressed(file, **{f.name: getattr(samples, f.name) for f in fields(samples)})
+    return file.getvalue()
+
+
+def write_shard(path: Path, content: bytes) -> None:
+    """Write what pack_shard made; the file appears whole or not at all."""
+    with _writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(path, lambda temporary: temporary.write_bytes(content))
 
 
 def read_shard(path: Path) -> Samples:
@@ -121,47 +148,46 @@ def read_shard(path: Path) -> Samples:
         ) from None
 
 
-def summarise(root: Path, pair: str, shards: int) -> dict[str, Any]:
-    """The manifest's entry of a pair: shards with their hashes, class shares, reason shares overall and per family.
+@dataclass(frozen=True, eq=False)
+class ShardRecord:
+    """What the manifest needs to know of a shard."""
 
-    Shards are read one at a time, so memory does not grow with their number.
-    """
-    entries = []
-    classes = np.zeros(CLASSES, dtype=np.int64)
-    samples: Counter[str] = Counter()
-    reasons: defaultdict[str, NDArray[np.int64]] = defaultdict(lambda: np.zeros(len(REASON_NAMES), dtype=np.int64))
-    for number in range(shards):
-        path = shard_path(root, pair, number)
-        shard = read_shard(path)
-        entries.append({"file": f"{pair}/{path.name}", "samples": len(shard), "sha256": _sha256(path)})
-        classes += np.bincount(cost_to_class(shard.cost).ravel(), minlength=CLASSES)
-        for family in np.unique(shard.family).tolist():
-            of_family = shard.family == family
-            samples[family] += int(of_family.sum())
-            reasons[family] += np.bincount(shard.reason[of_family].ravel(), minlength=len(REASON_NAMES))
-    return {
-        "samples": samples.total(),
-        "shards": entries,
-        "class_shares": (classes / classes.sum()).tolist(),
-        "reason_shares": _reason_shares(np.sum(list(reasons.values()), axis=0)),
-        "families": {
-            family: {"samples": samples[family], "reason_shares": _reason_shares(reasons[family])}
-            for family in sorted(samples)
-        },
-    }
+    file: str
+    samples: int
+    sha256: str
+    tally: Tally
+
+
+def record_shard(root: Path, pair: str, number: int) -> ShardRecord:
+    """Read a shard and describe it; raises InputError if it is missing or damaged."""
+    path = shard_path(root, pair, number)
+    samples = read_shard(path)
+    return ShardRecord(path.relative_to(root).as_posix(), len(samples), _sha256(path), tally_of(samples))
+
+
+def pair_entry(records: Sequence[ShardRecord]) -> dict[str, Any]:
+    """The manifest's entry of a pair: its shards with their hashes, and the shares of what they hold."""
+    shards = [{"file": record.file, "samples": record.samples, "sha256": record.sha256} for record in records]
+    return {"shards": shards, **tally_shares(add_tallies(record.tally for record in records))}
 
 
 def write_json(path: Path, values: Any) -> None:
     """Write JSON; the file appears whole or not at all."""
     text = json.dumps(values, indent=1) + "\n"
-    replace_file(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    with _writing(path):
+        replace_file(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def _reason_shares(counts: NDArray[np.int64]) -> dict[str, float]:
-    """Share of each reason; UNKNOWN of all cells, the others of the known ones."""
-    total = max(int(counts.sum()), 1)
-    known = max(total - int(counts[Reason.UNKNOWN]), 1)
-    return {reason.name: float(counts[reason] / (total if reason is Reason.UNKNOWN else known)) for reason in Reason}
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """A full disk or a folder that may not be written to becomes an InputError."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"cannot write {path} ({error.strerror or error})",
+            "mend that and run the same command again: it goes on from what is there",
+        ) from None
 
 
 def _sha256(path: Path) -> str:

@@ -110,26 +110,25 @@ class ElevationMap:
         """
         nx, ny = self.shape
         index = self.fractional_index(xy)
-        nearest = np.floor(index + 0.5).astype(np.intp)
-        i, j = nearest[..., 0], nearest[..., 1]
-        inside = (i >= 0) & (i < nx) & (j >= 0) & (j < ny)
-        known = inside & ~np.isnan(self.elevation[np.where(inside, i, 0), np.where(inside, j, 0)])
+        u, v = index[..., 0], index[..., 1]
+        inside = (u + 0.5 >= 0) & (u + 0.5 < nx) & (v + 0.5 >= 0) & (v + 0.5 < ny)
 
-        inner = np.clip(index, 0, np.array([nx - 1, ny - 1]))
-        low = np.minimum(inner.astype(np.intp), np.array([nx - 2, ny - 2]))
-        high_weight = inner - low
-        total = np.zeros(index.shape[:-1])
-        weight_sum = np.zeros(index.shape[:-1])
-        for di in (0, 1):
-            for dj in (0, 1):
-                height = self.elevation[low[..., 0] + di, low[..., 1] + dj]
-                weight_i = high_weight[..., 0] if di else 1 - high_weight[..., 0]
-                weight_j = high_weight[..., 1] if dj else 1 - high_weight[..., 1]
-                weight = np.where(np.isnan(height), 0.0, weight_i * weight_j)
-                total += weight * np.nan_to_num(height)
-                weight_sum += weight
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(known, total / weight_sum, np.nan).astype(np.float32)
+        u, v = np.clip(u, 0, nx - 1), np.clip(v, 0, ny - 1)
+        i, j = np.minimum(u.astype(np.intp), nx - 2), np.minimum(v.astype(np.intp), ny - 2)
+        a, b = u - i, v - j
+        # (4, ...) the cells around each point: (i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1).
+        corners = i * ny + j + np.array([0, 1, ny, ny + 1]).reshape(4, *([1] * i.ndim))
+        heights = self.elevation.reshape(-1)[corners]
+        weights = np.stack([(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b])
+        unknown = np.isnan(heights)
+        if unknown.any():
+            nearest = 2 * (np.floor(u + 0.5) > i) + (np.floor(v + 0.5) > j)
+            inside &= ~np.take_along_axis(unknown, nearest[None], axis=0)[0]
+            weights[unknown] = 0
+            heights[unknown] = 0
+        with np.errstate(invalid="ignore"):
+            mean = (weights * heights).sum(axis=0) / weights.sum(axis=0)
+        return np.where(inside, mean, np.nan).astype(np.float32)
 
     def window(self, centre: ArrayLike, cells: int) -> "ElevationMap":
         """The (cells, cells) part of the map around the cell nearest to world point `centre`; unknown off the map.

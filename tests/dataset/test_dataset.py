@@ -1,83 +1,33 @@
-"""Datasets: the same bytes for the same seed, whoever makes them and however often they are killed."""
+"""What a dataset holds: labels of the stored maps, poses that lead back to the terrain, a manifest that seals it."""
 
-import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from footsel.dataset import generate as generation
 from footsel.dataset import open_dataset
-from footsel.dataset.generate import DatasetConfig, generate, make_samples
+from footsel.dataset.config import DatasetConfig
+from footsel.dataset.labelling import make_samples
 from footsel.dataset.samples import HEIGHT_STEP, decode_heights, encode_heights
-from footsel.dataset.sampling import SamplingRecipe
-from footsel.dataset.store import shard_path
+from footsel.dataset.sampling import HEIGHT_SHARE, SamplingRecipe
+from footsel.dataset.store import pack_shard, read_shard, shard_path, write_shard
+from footsel.dataset.tally import tally_of, tally_shares
 from footsel.errors import InputError, UnknownNameError
 from footsel.footholds import BasePose, Reason
-from footsel.footholds.cost import INFEASIBLE_COST
-from footsel.legs import TRAINED_LEG
+from footsel.footholds.cost import CLASSES, INFEASIBLE_COST, cost_to_class
+from footsel.legs import PAIRS, TRAINED_LEG
 from footsel.oracle import Oracle
 from footsel.terrain import LocalMap
 from footsel.terrain.courses import FAMILIES, make_course
 
-CONFIG = DatasetConfig(robot="anymal_b", pairs=("front", "hind"), maps=12, seed=3, recipe="footsel")
 
-
-@pytest.fixture(autouse=True)
-def small_shards(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(generation, "SAMPLES_PER_SHARD", 4)
-    monkeypatch.setattr(generation, "SAMPLES_PER_COURSE", 2)
-
-
-def digests(folder: Path) -> dict[str, str]:
-    return {
-        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
-
-
-@pytest.fixture
-def dataset(tmp_path: Path) -> Path:
-    return generate(CONFIG, tmp_path / "whole", jobs=1).parent
-
-
-def test_another_run_gives_the_same_bytes(dataset: Path, tmp_path: Path) -> None:
-    again = generate(CONFIG, tmp_path / "again", jobs=1).parent
-    assert digests(again) == digests(dataset)
-
-
-def test_an_interrupted_run_is_finished_with_the_same_bytes(dataset: Path) -> None:
-    complete = digests(dataset)
-    for number in (0, 2):
-        shard_path(dataset, "hind", number).unlink()
-    (dataset / "manifest.json").unlink()
-    (dataset / "front" / ".shard_00001.4711.tmp.npz").write_bytes(b"half a shard")
-    with pytest.raises(InputError, match="no finished dataset"):
-        open_dataset(dataset)
-    generate(CONFIG, dataset, jobs=1)
-    remade = digests(dataset)
-    assert {name: remade[name] for name in complete} == complete
-
-
-def test_another_configuration_is_refused(dataset: Path) -> None:
-    other = DatasetConfig(robot="anymal_b", pairs=("front",), maps=12, seed=4, recipe="footsel")
-    with pytest.raises(InputError, match="another configuration"):
-        generate(other, dataset, jobs=1)
-
-
-def test_a_folder_with_other_things_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match="not empty"):
-        generate(CONFIG, tmp_path, jobs=1)
-
-
-def test_labels_are_the_oracle_s_of_the_stored_map(dataset: Path) -> None:
+def test_labels_are_the_oracle_s_of_the_stored_map(finished):
     """What is stored is enough to make the label again: heights as rounded, roll and pitch as kept."""
     oracle = Oracle.load("anymal_b")
     for pair, leg in TRAINED_LEG.items():
-        samples = open_dataset(dataset).load(pair)
+        samples = open_dataset(finished).load(pair)
         for index in range(len(samples)):
             heights = decode_heights(samples.heights_tenth_mm[index])
             local_map = LocalMap(heights, 0.02, np.zeros(3), 0.0)
@@ -86,10 +36,10 @@ def test_labels_are_the_oracle_s_of_the_stored_map(dataset: Path) -> None:
             np.testing.assert_array_equal(label.cost_image, samples.cost[index])
 
 
-def test_stored_maps_lie_on_their_courses(dataset: Path) -> None:
+def test_stored_maps_lie_on_their_courses(finished):
     """Family, course seed and pose of a sample lead back to its terrain, holes aside."""
     layout = Oracle.load("anymal_b").robot.layout
-    samples = open_dataset(dataset).load("front")
+    samples = open_dataset(finished).load("front")
     for index in range(len(samples)):
         course = make_course(str(samples.family[index]), int(samples.course[index]))
         pose = BasePose(*samples.pose[index].astype(float).tolist())
@@ -100,35 +50,101 @@ def test_stored_maps_lie_on_their_courses(dataset: Path) -> None:
         assert np.quantile(np.abs(stored - expected)[both], 0.9) < 2 * HEIGHT_STEP
 
 
-def test_cost_and_reason_agree(dataset: Path) -> None:
-    samples = open_dataset(dataset).load("hind")
+def test_bases_stand_within_the_drawn_heights_and_lower_ones_come_more_often():
+    layout = Oracle.load("anymal_b").robot.layout
+    sampling = SamplingRecipe.of("footsel")
+    course, rng = make_course("flat", 0), np.random.default_rng(0)
+    poses = np.array([sampling.draw_pose(rng, course, layout).as_list() for _ in range(2000)])
+    share = poses[:, 2] / layout.standing_height
+    low, high = HEIGHT_SHARE
+    assert low <= share.min() < low + 0.01 and high - 0.01 < share.max() <= high
+    assert 0.6 < (share < (low + high) / 2).mean() < 0.66  # 0.5 ** (1 / 1.5) = 0.63
+    tilt = np.deg2rad(15)
+    assert 0.95 * tilt < np.abs(poses[:, 3:5]).max() <= tilt and np.abs(poses[:, 5]).max() <= np.pi
+
+
+def test_every_hard_constraint_decides_its_share():
+    """The mix is hard: a network that ignored a constraint would be found out."""
+    shares = []
+    for pair in PAIRS:
+        config = DatasetConfig("anymal_b", (pair,), 300, 11, "footsel", maps_per_shard=300, maps_per_course=1)
+        tally = tally_of(make_samples(config, pair, 0))
+        assert set(tally) == set(FAMILIES)
+        shares.append(tally_shares(tally)["reason_shares"])
+    for share in shares:
+        assert share["KINEMATIC_RANGE"] >= 0.05 and share["TERRAIN_COLLISION"] >= 0.05
+        assert share["SELF_COLLISION"] >= 0.02
+        assert share["FEASIBLE"] >= 0.3 and sum(share.values()) == pytest.approx(1)
+
+
+def test_cost_and_reason_agree(finished):
+    samples = open_dataset(finished).load("hind")
     np.testing.assert_array_equal(samples.cost < INFEASIBLE_COST, samples.reason == Reason.FEASIBLE)
     np.testing.assert_array_equal(np.isnan(samples.heights()), samples.reason == Reason.UNKNOWN)
 
 
-def test_manifest_describes_and_seals_the_shards(dataset: Path) -> None:
+def test_manifest_describes_what_is_stored(finished, config):
+    opened = open_dataset(finished)
+    manifest = opened.manifest
+    assert manifest["config"]["seed"] == config.seed and manifest["config"]["robot"] == "anymal_b"
+    assert {"footsel", "numpy", "coal", "pinocchio", "python", "source"} <= set(manifest["versions"])
+    loaded = {pair: opened.load(pair) for pair in PAIRS}
+    everything = type(loaded["front"]).concatenate(list(loaded.values()))
+    for entry, samples in ((manifest, everything), *((manifest["pairs"][pair], loaded[pair]) for pair in PAIRS)):
+        assert set(entry["families"]) == set(samples.family.tolist())
+        parts = [(entry, samples)]
+        parts += [(part, samples.take(samples.family == name)) for name, part in entry["families"].items()]
+        for part, of_part in parts:
+            known = of_part.reason != Reason.UNKNOWN
+            assert part["samples"] == len(of_part)
+            assert part["unknown_share"] == pytest.approx(1 - known.mean())
+            assert set(part["reason_shares"]) == {reason.name for reason in Reason} - {"UNKNOWN"}
+            for name, share in part["reason_shares"].items():
+                assert share == pytest.approx((of_part.reason[known] == Reason[name]).mean())
+            classes = np.bincount(cost_to_class(of_part.cost).ravel(), minlength=CLASSES)
+            np.testing.assert_allclose(part["class_shares"], classes / classes.sum())
+
+
+def test_manifest_seals_the_shards(dataset):
     opened = open_dataset(dataset)
     opened.verify()
-    entry = opened.manifest["pairs"]["front"]
-    samples = opened.load("front")
-    assert entry["samples"] == len(samples) == CONFIG.maps
-    known = samples.reason != Reason.UNKNOWN
-    expected = float((samples.reason == Reason.TERRAIN_COLLISION).sum() / known.sum())
-    assert entry["reason_shares"]["TERRAIN_COLLISION"] == pytest.approx(expected)
-    assert sum(entry["class_shares"]) == pytest.approx(1.0)
-    assert sum(family["samples"] for family in entry["families"].values()) == CONFIG.maps
     shard_path(dataset, "front", 1).write_bytes(b"tampered")
     with pytest.raises(InputError, match="differs from the manifest"):
         opened.verify()
 
 
-def test_split_shares_no_course(dataset: Path) -> None:
-    training, validation = open_dataset(dataset).split("front")
-    assert len(training) + len(validation) == CONFIG.maps
+def test_split_shares_no_course(finished, config):
+    training, validation = open_dataset(finished).split("front")
+    assert len(training) + len(validation) == config.maps
     assert not set(training.course.tolist()) & set(validation.course.tolist())
 
 
-def test_damaged_manifest_and_shard_are_named(dataset: Path) -> None:
+def test_split_leaves_out_a_course_that_came_twice(dataset, config):
+    """Plant the training's last course in the validation's shard."""
+    last = config.shards - 1
+    before, held = (read_shard(shard_path(dataset, "front", number)) for number in (last - 1, last))
+    course = held.course.copy()
+    course[:2] = before.course[0]
+    write_shard(shard_path(dataset, "front", last), pack_shard(replace(held, course=course)))
+    training, validation = open_dataset(dataset).split("front")
+    assert len(validation) == len(held) - 2 and len(training) == config.maps - len(held)
+    assert before.course[0] not in validation.course
+
+
+def test_samples_are_split_by_family(finished):
+    opened = open_dataset(finished)
+    everything = opened.load("front")
+    family = str(everything.family[0])
+    chosen, others = opened.load("front", families=[family]), opened.load("front", exclude=[family])
+    assert set(chosen.family.tolist()) == {family} and family not in others.family
+    assert len(chosen) + len(others) == len(everything) and len(chosen) > 0
+    training, validation = opened.split("front", exclude=[family])
+    assert len(training) + len(validation) == len(others)
+    with pytest.raises(UnknownNameError, match="lava"):
+        opened.split("front", exclude=["lava"])
+
+
+def test_damaged_manifest_and_shard_are_named(dataset: Path):
     shard_path(dataset, "front", 0).write_bytes(b"not a shard")
     with pytest.raises(InputError, match="shard_00000"):
         open_dataset(dataset).load("front")
@@ -137,7 +153,7 @@ def test_damaged_manifest_and_shard_are_named(dataset: Path) -> None:
         open_dataset(dataset)
 
 
-def test_heights_round_to_a_tenth_of_a_millimetre() -> None:
+def test_heights_round_to_a_tenth_of_a_millimetre():
     heights = np.array([0.0, -0.48765, 0.1, np.nan, 9.0, -9.0])
     decoded = decode_heights(encode_heights(heights))
     assert np.isnan(decoded[3])
@@ -145,29 +161,23 @@ def test_heights_round_to_a_tenth_of_a_millimetre() -> None:
     np.testing.assert_allclose(decoded[4:], [3.2767, -3.2767], atol=1e-6)
 
 
-def test_paper_recipe_is_level_and_turns_by_quarters() -> None:
-    config = DatasetConfig(robot="anymal_b", pairs=("front",), maps=4, seed=1, recipe="paper")
-    samples = make_samples(config, "front", 0)
+def test_paper_recipe_is_level_and_turns_by_quarters(config):
+    samples = make_samples(replace(config, pairs=("front",), maps=4, recipe="paper"), "front", 0)
     assert not samples.roll.any() and not samples.pitch.any()
     quarters = samples.pose[:, 5] / (np.pi / 2)
     np.testing.assert_allclose(quarters, np.rint(quarters), atol=1e-6)
     assert set(samples.family.tolist()) == {"composed"}
 
 
-def test_families_can_be_left_out() -> None:
-    recipe = SamplingRecipe.of("footsel", exclude=("pillars", "rubble"))
-    assert set(recipe.families) == set(FAMILIES) - {"pillars", "rubble"}
+def test_families_can_be_left_out(config):
+    assert set(SamplingRecipe.of("footsel", exclude=("pillars", "rubble")).families) == set(FAMILIES) - {
+        "pillars",
+        "rubble",
+    }
     assert SamplingRecipe.of("footsel", families=("flat",)).families == ("flat",)
-    for wrong in ({"families": ("lava",)}, {"exclude": ("lava",)}):
-        with pytest.raises(UnknownNameError, match="lava"):
-            SamplingRecipe.of("footsel", **wrong)
-    with pytest.raises(InputError):
-        SamplingRecipe.of("footsel", families=("flat",), exclude=("flat",))
-
-
-def test_bytes_do_not_depend_on_the_number_of_jobs(tmp_path: Path) -> None:
-    """Worker processes read the module's own shard size, so this one runs with it: two shards of one map each."""
-    config = DatasetConfig(robot="anymal_b", pairs=("front", "hind"), maps=1, seed=5, recipe="footsel")
-    assert digests(generate(config, tmp_path / "one", jobs=1).parent) == digests(
-        generate(config, tmp_path / "two", jobs=2).parent
-    )
+    for wrong in ({"families": ("lava",)}, {"exclude": ("lava",)}, {"recipe": "cake"}, {"robot": "cat"}):
+        with pytest.raises(UnknownNameError, match=r"lava|cake|cat"):
+            replace(config, **wrong)
+    for wrong in ({"families": ("flat",), "exclude": ("flat",)}, {"pairs": ()}, {"maps": 0}, {"maps_per_shard": 0}):
+        with pytest.raises(InputError):
+            replace(config, **wrong)

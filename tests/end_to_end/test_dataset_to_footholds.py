@@ -20,12 +20,11 @@ def workplace(tmp_path_factory):
     """Folder in which each step has left its files; a step that failed fails the tests that read them."""
     root = tmp_path_factory.mktemp("whole_way")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("footsel.dataset.generate.SAMPLES_PER_SHARD", 8)
-        patch.setattr("footsel.dataset.generate.SAMPLES_PER_COURSE", 2)
         few_maps = functools.partial(export_module.export_run, parity_maps=22)
         patch.setattr(export_module, "export_run", few_maps)
         dataset, run = str(root / "data"), str(root / "run")
         made = ["dataset", dataset, "--maps", "16", "--seed", "5", "--jobs", "1", "--exclude", "pillars"]
+        made += ["--maps-per-shard", "8"]
         assert main(made) == 0
         assert main(made) == 0  # A finished dataset is left as it is.
         assert main(["train", dataset, run, "--epochs", "1"]) == 0

@@ -31,7 +31,7 @@ def stepped_maps(count, seed):
         reason=reason,
         pose=pose,
         family=np.array(["steps", "blocks"])[np.arange(count) % 2],
-        course=np.arange(count, dtype=np.int64),
+        course=1000 * seed + np.arange(count, dtype=np.int64),
     )
 
 

@@ -5,7 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from footsel.dataset.store import MANIFEST, open_dataset, shard_path, summarise, write_json, write_shard
+from footsel.dataset.store import (
+    MANIFEST,
+    open_dataset,
+    pack_shard,
+    pair_entry,
+    record_shard,
+    shard_path,
+    write_json,
+    write_shard,
+)
 from footsel.errors import InputError, ModelError
 from footsel.exporting.onnx_file import to_onnx, with_contract
 from footsel.footholds import DISTANCE_WEIGHT, LegLayout
@@ -23,11 +32,9 @@ def dataset_dir(make_samples, tmp_path_factory):
     folder = tmp_path_factory.mktemp("dataset")
     shards = [make_samples(12, 1), make_samples(6, 2)]
     for number, shard in enumerate(shards):
-        write_shard(shard_path(folder, "front", number), shard)
-    write_json(
-        folder / MANIFEST,
-        {"config": {"robot": "anymal_b"}, "pairs": {"front": summarise(folder, "front", len(shards))}},
-    )
+        write_shard(shard_path(folder, "front", number), pack_shard(shard))
+    entry = pair_entry([record_shard(folder, "front", number) for number in range(len(shards))])
+    write_json(folder / MANIFEST, {"config": {"robot": "anymal_b"}, "pairs": {"front": entry}})
     return folder
 
 
