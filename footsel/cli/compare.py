@@ -101,10 +101,10 @@ def _check_writable(out: Path) -> None:
 
 
 def _command(args: argparse.Namespace) -> str:
-    """The command that makes the same figures."""
+    """The command that makes the same figures, whatever the folder; where that lies is nobody else's business."""
     words = ["footsel", "compare", *(str(path) for path in args.maps)]
     words += ["--selectors", *args.selectors, "--poses", str(args.poses), "--seed", str(args.seed)]
-    words += ["--robot", args.robot, "--out", str(args.out)]
+    words += ["--robot", args.robot, "--out", args.out.resolve().name]
     if args.model is not None:
         words += ["--model", str(args.model)]
     if args.resolution is not None:

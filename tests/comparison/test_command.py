@@ -35,6 +35,7 @@ def test_both_files_are_written(capsys, tmp_path, map_file, model):
     assert figures["poses"] == 3
     assert set(figures["selectors"]) == {"oracle", "cnn", "nominal"}
     assert figures["run"]["command"].startswith("footsel compare ")
+    assert "--out demo" in figures["run"]["command"] and str(out) not in figures["run"]["command"]
     assert "<title>" in (out / "report.html").read_text()
 
     # A second run replaces both files and leaves other files alone.
