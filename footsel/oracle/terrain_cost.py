@@ -50,13 +50,17 @@ class TerrainCostModel:
 
     def cost(self, k1: ArrayLike, k2: ArrayLike) -> Array:
         """c_m of features of any shape, no neighbour missing."""
+        return np.asarray(1 - np.minimum(self.quality(k1, k2), 1.0))
+
+    def quality(self, k1: ArrayLike, k2: ArrayLike) -> Array:
+        """The sum of Gaussians, which may pass 1."""
         k1, k2 = np.asarray(k1, dtype=np.float64), np.asarray(k2, dtype=np.float64)
         quality = np.zeros(np.broadcast(k1, k2).shape)
         for g in self.gaussians:
             a, b = (k1 - g.k1) / g.sigma_k1, (k2 - g.k2) / g.sigma_k2
             square = (a * a - 2 * g.correlation * a * b + b * b) / (1 - g.correlation**2)
             quality += g.weight * np.exp(-square / 2)
-        return np.asarray(1 - np.minimum(quality, 1.0))
+        return quality
 
     def packed(self) -> Array:
         """(m, 6) weight, k1, k2, sigma_k1, sigma_k2, correlation."""

@@ -63,9 +63,9 @@ def fit_model(trials: Trials) -> TerrainCostModel:
 
     def residuals(parameters: Array) -> Array:
         model = _model(parameters)
-        cost = 1 - _quality(model, k1, k2)
-        plane = 1 - _quality(model, np.zeros_like(_SLOPES), _SLOPES)
-        edge, foot = 1 - _quality(model, *edges), 1 - _quality(model, *feet)
+        cost = 1 - model.quality(k1, k2)
+        plane = 1 - model.quality(np.zeros_like(_SLOPES), _SLOPES)
+        edge, foot = 1 - model.quality(*edges), 1 - model.quality(*feet)
         laws = [
             50 * plane[:1],
             *(5000 * np.maximum(_LEAST_RISE - np.diff(grows), 0) for grows in (plane, edge, foot)),
@@ -170,15 +170,6 @@ def _model(parameters: Array) -> TerrainCostModel:
             for w, c1, c2, s1, s2, r in parameters.reshape(-1, 6)
         )
     )
-
-
-def _quality(model: TerrainCostModel, k1: Array, k2: Array) -> Array:
-    """The sum of Gaussians without a limit: the fit needs its gradient beyond 1."""
-    quality = np.zeros(np.shape(k1))
-    for w, c1, c2, s1, s2, r in model.packed():
-        a, b = (k1 - c1) / s1, (k2 - c2) / s2
-        quality = quality + w * np.exp(-(a * a - 2 * r * a * b + b * b) / (2 * (1 - r * r)))
-    return quality
 
 
 def _edge_features(height: float) -> tuple[Array, Array]:
