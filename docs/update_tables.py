@@ -188,6 +188,15 @@ def laws() -> str:
     )
 
 
+def landmarks() -> str:
+    """Cost and measured slip of shapes with a name."""
+    found = read(TERRAIN_COST)["figures"]["landmarks"]
+    return table(
+        ["shape", "slip, measured", "cost"],
+        [[name, f"{each['measured']:.2f}", f"{each['cost']:.2f}"] for name, each in found.items()],
+    )
+
+
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {
         "models": models,
@@ -196,7 +205,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "speed": speed,
         "verify": verify,
     },
-    "docs/terrain_cost.md": {"slip": slip, "laws": laws},
+    "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
 
 

@@ -20,12 +20,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     fit.add_argument("out", metavar="OUT", type=output_folder, help="folder of the trials, the fit and its figures")
     fit.add_argument(
-        "--placements", type=whole_number(1), default=22000, metavar="N", help="to fit (default: %(default)s)"
+        "--placements", type=whole_number(1), default=24000, metavar="N", help="to fit (default: %(default)s)"
     )
     fit.add_argument(
         "--held-out",
         type=whole_number(1),
-        default=4400,
+        default=4800,
         metavar="N",
         help="on other courses, to judge the fit by (default: %(default)s)",
     )
@@ -41,13 +41,16 @@ def run(args: argparse.Namespace) -> int:
 
         from footsel.dataset.store import write_json
         from footsel.oracle.terrain_cost import DATA_FILE
+        from footsel.robot import load_robot
         from footsel.walking.slip.campaign import CampaignConfig, run_campaign
         from footsel.walking.slip.fit import data_file, fit_model, report
+        from footsel.walking.slip.landmarks import measure
 
     config = CampaignConfig(args.robot, args.placements, args.held_out, args.seed)
     trials = run_campaign(config, args.out, args.jobs)
     model = fit_model(trials.take(~trials.held_out))
     figures = report(model, trials)
+    figures["landmarks"] = measure(model, load_robot(config.robot).description.foot_radius)
     path = args.out / DATA_FILE
     write_json(path, data_file(model, config, figures))
     held_out = figures["held_out"]

@@ -2,9 +2,12 @@
 
 As Belter and Skrzypczynski (2011) do, a foothold is judged by two features of its neighbourhood, K1 = sum(h0 - h),
 signed (ridge > 0, pit < 0), and K2 = sum|h0 - h|, and its quality is a mixture of Gaussians over (K1, K2) that was
-fitted to slippage in simulation. Unlike theirs, the features do not depend on the cell size: the neighbourhood is a
-stencil in metres, sampled bilinearly, and a plane of slope t has K2 = t and K1 = 0. A drop counts up to 5 cm,
-for a foot that goes over an edge has lost its stand whatever the depth.
+fitted to slippage in simulation. Two things are ours:
+
+- h is no height of the ground but of the foot's surface: of a ball that touches the ground there. A foot slides along
+  that surface, bridges a pit and is lifted beside a wall, so the two features tell much more (docs/terrain_cost.md).
+- The neighbourhood is a stencil in metres, sampled bilinearly, so cell size does not matter; a plane of slope t has
+  K2 = t and K1 = 0. A drop counts up to 5 cm, for a foot that goes over an edge has lost its stand whatever the depth.
 
 The numbers are in terrain_cost.json, which `footsel terrain-cost fit` makes.
 """
@@ -25,9 +28,28 @@ DATA_FILE = "terrain_cost.json"
 
 #: The stencil: points this far apart along x and y, in rings of these weights around the cell. [m]
 SPACING = 0.02
-RING_WEIGHTS = (1.0, 0.5)
+RING_WEIGHTS = (1.0, 0.25)
 #: Differences in height count up to this; a foot that goes over a higher edge slips no further. [m]
 LARGEST_DROP = 0.05
+#: Of the ball that stands for the foot, ANYmal's. It touches the ground within one spacing around. [m]
+FOOT_RADIUS = 0.031
+
+_RINGS = range(-len(RING_WEIGHTS), len(RING_WEIGHTS) + 1)
+#: (points, 3) offset along x and y, in spacings, and weight of the stencil's points.
+STENCIL = np.array([(a, b, RING_WEIGHTS[max(abs(a), abs(b)) - 1]) for a in _RINGS for b in _RINGS if a or b])
+#: (points, 3) where else than under its centre a foot may touch, in spacings, and how far it sinks there. [-, -, m]
+TOUCHES = np.array(
+    [
+        (a, b, FOOT_RADIUS - np.sqrt(FOOT_RADIUS**2 - (a * a + b * b) * SPACING**2))
+        for a in (-1, 0, 1)
+        for b in (-1, 0, 1)
+        if a or b
+    ]
+)
+#: What the weighted drops are divided by: their sum on a plane of slope 1.
+PLANE = float((STENCIL[:, 2] * np.abs(STENCIL[:, 0])).sum()) * SPACING
+#: K1 and K2 of a cell that falls off to all sides.
+LARGEST_FEATURE = float(STENCIL[:, 2].sum()) * LARGEST_DROP / PLANE
 
 
 @dataclass(frozen=True)
@@ -84,7 +106,10 @@ def _shipped() -> TerrainCostModel:
 
 
 def terrain_costs(heights: NDArray[np.floating], resolution: float) -> Array:
-    """(n, m) c_m of every known cell, NaN where unknown. Missing neighbours, those beyond the map included, raise it.
+    """(n, m) c_m of every known cell, NaN where unknown.
+
+    Points of the stencil that are unknown or beyond the map raise it: of two readings, that they do not count but
+    make the rest less sure, and that they are as deep as a drop can be, the worse one holds.
 
     heights: (n, m) in [m], NaN = unknown. resolution: side of a cell, in [m].
     """
@@ -102,92 +127,101 @@ def terrain_features(heights: NDArray[np.floating], resolution: float) -> tuple[
 
     All three are NaN for unknown cells; K1 and K2 are 0 where no neighbour is known.
     """
-    return _features(np.ascontiguousarray(heights, dtype=np.float64), SPACING / resolution)
+    step = SPACING / resolution
+    return _features(_foot_surface(np.ascontiguousarray(heights, dtype=np.float64), step, TOUCHES), step, STENCIL)
+
+
+def foot_surface(heights: NDArray[np.floating], resolution: float) -> Array:
+    """(n, m) height of the lowest point of a foot that touches the ground from above each cell, NaN where unknown.
+
+    Unknown ground holds no foot. On a plane the surface is the plane lifted.
+    """
+    return _foot_surface(np.ascontiguousarray(heights, dtype=np.float64), SPACING / resolution, TOUCHES)
 
 
 @numba.njit(cache=True)
-def _features(heights: Array, step: float) -> tuple[Array, Array, Array]:  # pragma: no cover - compiled
-    """step: distance between the stencil's points, in cells."""
-    rows, columns = heights.shape
-    rings = len(RING_WEIGHTS)
-    # A border of unknown cells, so that no point of the stencil needs to look whether it is on the map.
-    border = int(np.ceil(rings * step)) + 1
-    padded = np.full((rows + 2 * border, columns + 2 * border), np.nan)
-    padded[border : border + rows, border : border + columns] = heights
+def _foot_surface(heights: Array, step: float, touches: Array) -> Array:  # pragma: no cover - compiled
+    """step: distance between points of stencil and touches, in cells."""
+    surface = heights.copy()
+    for x, y, sinking in touches:
+        beside = _shifted(heights, x * step, y * step)
+        for i in range(surface.shape[0]):
+            for j in range(surface.shape[1]):
+                # Comparisons with unknown heights are false.
+                if beside[i, j] - sinking > surface[i, j]:  # noqa: PLR1730 - `max` may give the unknown
+                    surface[i, j] = beside[i, j] - sinking
+    return surface
+
+
+@numba.njit(cache=True)
+def _features(surface: Array, step: float, stencil: Array) -> tuple[Array, Array, Array]:  # pragma: no cover - compiled
+    rows, columns = surface.shape
     signed, absolute, known = np.zeros((3, rows, columns))
-    total, slope_response = 0.0, 0.0
     # Point by point over the whole map: the inner loop runs along a row of memory.
-    for a in range(-rings, rings + 1):
-        for b in range(-rings, rings + 1):
-            if a == 0 and b == 0:
-                continue
-            weight = RING_WEIGHTS[max(abs(a), abs(b)) - 1]
-            total += weight
-            slope_response += weight * abs(a) * SPACING
-            _add_point(heights, padded, border, a * step, b * step, weight, signed, absolute, known)
+    for x, y, weight in stencil:
+        beside = _shifted(surface, x * step, y * step)
+        for i in range(rows):
+            for j in range(columns):
+                drop = surface[i, j] - beside[i, j]
+                if not np.isnan(drop):
+                    drop = min(max(drop, -LARGEST_DROP), LARGEST_DROP)
+                    signed[i, j] += weight * drop
+                    absolute[i, j] += weight * abs(drop)
+                    known[i, j] += weight
+    total = stencil[:, 2].sum()
     for i in range(rows):
         for j in range(columns):
-            if np.isnan(heights[i, j]):
+            if np.isnan(surface[i, j]):
                 signed[i, j] = absolute[i, j] = known[i, j] = np.nan
             elif known[i, j] > 0.0:
-                scale = total / known[i, j] / slope_response
+                scale = total / known[i, j] / PLANE
                 signed[i, j] *= scale
                 absolute[i, j] *= scale
     return signed, absolute, known / total
 
 
 @numba.njit(cache=True)
-def _add_point(
-    heights: Array,
-    padded: Array,
-    border: int,
-    x: float,
-    y: float,
-    weight: float,
-    signed: Array,
-    absolute: Array,
-    known: Array,
-) -> None:  # pragma: no cover - compiled
-    """Add one point of the stencil, x and y cells away, to the sums of all cells; its height is bilinear.
-
-    If a cell that it needs is unknown, so is the point.
-    """
+def _shifted(surface: Array, x: float, y: float) -> Array:  # pragma: no cover - compiled
+    """(n, m) height that each cell sees x and y cells away, bilinear; unknown if a cell that takes part is unknown."""
     low_i, low_j = int(np.floor(x + 1e-9)), int(np.floor(y + 1e-9))
     u, v = x - low_i, y - low_j
-    between_rows, between_columns = u > 1e-9, v > 1e-9
-    rows, columns = heights.shape
-    for i in range(rows):
-        p, q = i + border + low_i, border + low_j
-        for j in range(columns):
-            height = padded[p, q + j]
-            if between_rows:
-                height += u * (padded[p + 1, q + j] - height)
-            if between_columns:
-                beside = padded[p, q + j + 1]
-                if between_rows:
-                    beside += u * (padded[p + 1, q + j + 1] - beside)
+    high_i, high_j = low_i + (u > 1e-9), low_j + (v > 1e-9)
+    rows, columns = surface.shape
+    seen = np.full((rows, columns), np.nan)
+    for i in range(max(-low_i, 0), min(rows, rows - high_i)):
+        for j in range(max(-low_j, 0), min(columns, columns - high_j)):
+            height = surface[i + low_i, j + low_j]
+            if high_i > low_i:
+                height += u * (surface[i + high_i, j + low_j] - height)
+            if high_j > low_j:
+                beside = surface[i + low_i, j + high_j]
+                if high_i > low_i:
+                    beside += u * (surface[i + high_i, j + high_j] - beside)
                 height += v * (beside - height)
-            drop = heights[i, j] - height
-            if not np.isnan(drop):
-                drop = min(max(drop, -LARGEST_DROP), LARGEST_DROP)
-                signed[i, j] += weight * drop
-                absolute[i, j] += weight * abs(drop)
-                known[i, j] += weight
+            seen[i, j] = height
+    return seen
 
 
 @numba.njit(cache=True)
 def _costs(k1: Array, k2: Array, known: Array, gaussians: Array) -> Array:  # pragma: no cover - compiled
-    costs = 1.0 - 0.0 * known
-    quality = np.zeros(known.shape)
-    for weight, c1, c2, s1, s2, r in gaussians:
-        # The exponent as a quadratic form.
-        f = -0.5 / (1 - r * r)
-        aa, ab, bb = f / (s1 * s1), -2 * r * f / (s1 * s2), f / (s2 * s2)
-        for i in range(k1.shape[0]):
-            for j in range(k1.shape[1]):
-                a, b = k1[i, j] - c1, k2[i, j] - c2
-                quality[i, j] += weight * np.exp(aa * a * a + ab * a * b + bb * b * b)
-    for i in range(k1.shape[0]):
-        for j in range(k1.shape[1]):
-            costs[i, j] -= min(quality[i, j], 1.0) * known[i, j]
+    costs = np.full(known.shape, np.nan)
+    for i in range(known.shape[0]):
+        for j in range(known.shape[1]):
+            share = known[i, j]
+            if not np.isnan(share):
+                quality = _quality(k1[i, j], k2[i, j], gaussians) * share
+                if share < 1.0:
+                    drop = (1.0 - share) * LARGEST_FEATURE
+                    deep = _quality(share * k1[i, j] + drop, share * k2[i, j] + drop, gaussians)
+                    quality = min(quality, deep)
+                costs[i, j] = 1.0 - quality
     return costs
+
+
+@numba.njit(cache=True)
+def _quality(k1: float, k2: float, gaussians: Array) -> float:  # pragma: no cover - compiled
+    quality = 0.0
+    for weight, c1, c2, s1, s2, r in gaussians:
+        a, b = (k1 - c1) / s1, (k2 - c2) / s2
+        quality += weight * np.exp(-0.5 / (1 - r * r) * (a * a - 2 * r * a * b + b * b))
+    return min(quality, 1.0)

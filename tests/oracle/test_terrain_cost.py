@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from footsel.oracle.brute_force import terrain_cost as reference_cost
-from footsel.oracle.terrain_cost import TerrainCostModel, terrain_costs, terrain_features
+from footsel.oracle.terrain_cost import FOOT_RADIUS, TerrainCostModel, foot_surface, terrain_costs, terrain_features
 from footsel.terrain import LocalMap
+from footsel.walking.slip.touchdown import touchdown_heights
 
 CELL = 0.02
 
@@ -89,6 +90,85 @@ def test_ridges_have_positive_k1_and_pits_negative() -> None:
     pit = terrain_features(surface(lambda x, y: np.abs(x)), CELL)
     assert ridge[0][8, 8] == pytest.approx(ridge[1][8, 8]) and ridge[0][8, 8] > 0
     assert pit[0][8, 8] == pytest.approx(-pit[1][8, 8])
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("rise", [0.005, 0.01, 0.02, 0.03, 0.05])
+def test_the_upper_edge_costs_the_same_in_cells_of_any_size(rise: float, axis: int) -> None:
+    edge = lambda x, y: np.where((x, y)[axis] > 0.01, -rise, 0.0)  # noqa: E731
+    for resolution in (0.01, 0.04):
+        assert middle_cost(edge, resolution) == pytest.approx(middle_cost(edge), abs=0.1)
+
+
+def test_a_narrow_pit_holds_a_foot_and_a_spike_does_not() -> None:
+    """Simulated slip: 0.14 in a pit of one cell, 0.9 on a spike, 0.9 at the foot of a step."""
+    spot = lambda height: lambda x, y: np.where(np.hypot(x, y) < 0.01, height, 0.0)  # noqa: E731
+    foot_of_step = middle_cost(lambda x, y: np.where(x > 0.01, 0.03, 0.0))
+    for depth in (0.01, 0.02, 0.03, 0.1):
+        assert middle_cost(spot(-depth)) < min(0.5, foot_of_step - 0.4)
+    assert middle_cost(spot(0.02)) > 0.8
+
+
+def test_sensor_noise_on_level_ground_costs_little() -> None:
+    """Simulated slip costs 0.01 to 0.04 on noise of 1 mm, up to 0.14 of 2 mm."""
+    rng = np.random.default_rng(0)
+    for noise, most in ((0.001, 0.06), (0.002, 0.15)):
+        costs = terrain_costs(rng.normal(0, noise, (60, 60)), CELL)[3:-3, 3:-3]
+        assert costs.mean() < most
+
+
+def test_the_foot_s_surface_is_where_a_ball_comes_to_rest() -> None:
+    """Never above a lowered ball's lowest point, and equal to it where only the centres of cells can touch."""
+    spikes = np.zeros((21, 21))
+    spikes[5, 5], spikes[12, 14], spikes[13, 14], spikes[3, 16] = 0.005, 0.006, 0.004, -0.05
+    rough = np.random.default_rng(1).normal(0, 0.02, (21, 21))
+    inside = np.arange(3, 18)
+    i, j = (axis.ravel() for axis in np.meshgrid(inside, inside, indexing="ij"))
+    for heights in (spikes, rough):
+        ball = touchdown_heights(heights, CELL, FOOT_RADIUS, (np.column_stack([i, j]) - 10) * CELL) - FOOT_RADIUS
+        surface = foot_surface(heights, CELL)[i, j]
+        assert (surface <= ball + 1e-12).all()
+        assert np.median(ball - surface) < 0.002
+    lone = np.full((9, 9), -1.0)
+    lone[4, 4] = 0.0
+    expected = touchdown_heights(lone, CELL, FOOT_RADIUS, np.zeros((1, 2)))[0] - FOOT_RADIUS
+    assert foot_surface(lone, CELL)[4, 4] == pytest.approx(expected)
+
+
+def test_unknown_ground_holds_no_foot() -> None:
+    heights = np.zeros((9, 9))
+    heights[4, 4], heights[4, 5] = -0.1, np.nan
+    surface = foot_surface(heights, CELL)
+    assert np.isnan(surface[4, 5]) and not np.isnan(surface[4, 4])
+    heights[3:6, 3:6] = np.nan
+    heights[4, 4] = -0.1
+    assert foot_surface(heights, CELL)[4, 4] == -0.1
+
+
+def test_the_unknown_is_dearer_than_the_known() -> None:
+    """On ground of every kind, whatever is hidden; docs/terrain_cost.md says how much an edge can lose."""
+    rng = np.random.default_rng(5)
+    rises = []
+    for spread in (0.0, 0.003, 0.01, 0.05):
+        for _ in range(100):
+            seen = rng.normal(0, spread, (9, 9)) + np.tensordot(rng.uniform(-0.5, 0.5, 2), surface_axes(), 1)
+            hidden = rng.random((9, 9)) < rng.uniform(0.05, 0.4)
+            hidden[4, 4] = False
+            rises.append(terrain_costs(np.where(hidden, np.nan, seen), CELL)[4, 4] - terrain_costs(seen, CELL)[4, 4])
+    assert np.percentile(rises, 2) > -0.03 and min(rises) > -0.15
+    assert np.mean(np.greater(rises, 0)) > 0.85 and np.mean(rises) > 0.1
+
+
+@pytest.mark.parametrize("rise", [0.03, 0.05, 0.1])
+def test_an_edge_with_an_unknown_lower_side_is_no_cheaper_than_the_edge_seen(rise: float) -> None:
+    seen = middle_cost(lambda x, y: np.where(x > 0.01, -rise, 0.0))
+    assert middle_cost(lambda x, y: np.where(x > 0.01, np.nan, 0.0)) >= seen
+
+
+def surface_axes() -> np.ndarray:
+    """(2, 9, 9) x and y of a patch."""
+    along = (np.arange(9) - 4) * CELL
+    return np.stack(np.meshgrid(along, along, indexing="ij"))
 
 
 def test_missing_neighbours_raise_the_cost() -> None:

@@ -4,6 +4,7 @@ import json
 import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from pathlib import Path
 
 import joblib
@@ -17,6 +18,7 @@ from footsel.oracle.terrain_cost import terrain_features
 from footsel.robot import load_robot
 from footsel.terrain import ElevationMap
 from footsel.terrain.courses import FAMILIES, make_course
+from footsel.walking.slip.shapes import SHAPES, shape_course
 from footsel.walking.slip.trial import slip_trials, slip_world
 
 #: Between foot and ground: worn rubber on smooth stone, and rubber on concrete.
@@ -24,6 +26,8 @@ FRICTIONS = (0.5, 0.8)
 #: Side of a course, and how far inside of it feet are placed, in [m].
 COURSE_SIZE, MARGIN = 3.0, 0.3
 PLACEMENTS_PER_COURSE = 200
+#: Side of a cell, in [m], and of the neighbourhood that is kept of each placement, in cells.
+COURSE_RESOLUTION, PATCH = 0.02, 9
 #: Cells are drawn with a probability that grows with K2 up to this; level ones keep the least. [slope]
 ROUGH_K2, LEAST_WEIGHT = 0.8, 0.02
 #: Course seeds of a campaign: those to fit from the first on, those held out from the second on.
@@ -38,15 +42,15 @@ class CampaignConfig:
     """
 
     robot: str = "anymal_b"
-    placements: int = 22_000
-    held_out: int = 4_400
+    placements: int = 24_000
+    held_out: int = 4_800
     seed: int = 0
 
     def jobs(self) -> Iterator[tuple[str, int]]:
         """Family and course seed of every job."""
         for first, placements in ((0, self.placements), (HELD_OUT_SEED, self.held_out)):
-            for number in range(-(-placements // (PLACEMENTS_PER_COURSE * len(FAMILIES)))):
-                for family in FAMILIES:
+            for number in range(-(-placements // (PLACEMENTS_PER_COURSE * (len(FAMILIES) + 1)))):
+                for family in (*FAMILIES, SHAPES):
                     yield family, self.seed * SEEDS_PER_CAMPAIGN + first + number
 
 
@@ -54,19 +58,26 @@ class CampaignConfig:
 class Trials:
     """n placements.
 
-    k1, k2: (n,) features of the cell. slip: (n, frictions, directions) in [m]. uniform: (n,) drawn evenly over the
-    course, not for its roughness. family: (n,) names. course: (n,) seeds.
+    patch: (n, PATCH, PATCH) heights of the cells around, relative to the cell, in [m]. slip: (n, frictions, directions)
+    in [m]. uniform: (n,) drawn evenly over the course, not for its roughness. family: (n,) names. course: (n,) seeds.
     """
 
-    k1: NDArray[np.float64]
-    k2: NDArray[np.float64]
+    patch: NDArray[np.float32]
     slip: NDArray[np.float64]
     uniform: NDArray[np.bool_]
     family: NDArray[np.str_]
     course: NDArray[np.int64]
 
     def __len__(self) -> int:
-        return len(self.k1)
+        return len(self.slip)
+
+    @cached_property
+    def features(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """K1 and K2 (n,) of every cell."""
+        middle = PATCH // 2
+        found = [terrain_features(patch, COURSE_RESOLUTION) for patch in self.patch]
+        k1, k2 = np.array([(k1[middle, middle], k2[middle, middle]) for k1, k2, _ in found]).reshape(-1, 2).T
+        return k1, k2
 
     @property
     def held_out(self) -> NDArray[np.bool_]:
@@ -129,14 +140,14 @@ def draw_cells(
 
 
 def _run_job(config: CampaignConfig, family: str, seed: int, path: Path) -> None:
-    rng = np.random.default_rng([seed, list(FAMILIES).index(family)])
-    course = make_course(family, seed, size=COURSE_SIZE)
+    rng = np.random.default_rng([seed, [*FAMILIES, SHAPES].index(family)])
+    course = shape_course(seed, COURSE_SIZE) if family == SHAPES else make_course(family, seed, size=COURSE_SIZE)
     radius = load_robot(config.robot).description.foot_radius
     cells, uniform, slip = try_course(course, radius, PLACEMENTS_PER_COURSE, rng)
-    k1, k2, _ = terrain_features(course.elevation, course.resolution)
-    where = tuple(cells.T)
+    windows = np.lib.stride_tricks.sliding_window_view(course.elevation, (PATCH, PATCH))
+    patch = windows[tuple(cells.T - PATCH // 2)] - course.elevation[tuple(cells.T)][:, None, None]
     n = len(cells)
-    part = Trials(k1[where], k2[where], slip, uniform, np.full(n, family), np.full(n, seed, dtype=np.int64))
+    part = Trials(patch, slip, uniform, np.full(n, family), np.full(n, seed, dtype=np.int64))
     arrays = {field.name: getattr(part, field.name) for field in fields(part)}
     replace_file(path, lambda temporary: np.savez_compressed(temporary, **arrays))
 

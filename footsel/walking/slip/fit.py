@@ -12,7 +12,9 @@ from scipy.stats import spearmanr
 
 import footsel
 from footsel.oracle.terrain_cost import (
+    FOOT_RADIUS,
     LARGEST_DROP,
+    LARGEST_FEATURE,
     RING_WEIGHTS,
     SPACING,
     Gaussian,
@@ -28,14 +30,22 @@ Array = NDArray[np.float64]
 WORST_SHARE = 0.25
 
 COMPONENTS, STARTS = 5, 6
+#: Placements whose features are this near to each other are one residual.
+_GROUP = 0.02
 #: Bounds of weight, k1, k2, ln sigma_k1, ln sigma_k2, atanh(correlation).
 _LOW, _HIGH = (0.0, -1.5, -0.5, -3.0, -3.0, -1.8), (4.0, 1.5, 1.0, 1.0, 1.0, 1.8)
 
 #: What the fit must keep to, each with the factor of its violation in the residuals.
 _STEEPEST = 1.0
 _SLOPES = np.linspace(0.0, 1.1 * _STEEPEST, 100)
-_EDGE_HEIGHTS = np.arange(0, 0.0551, 0.0025)
+_EDGE_HEIGHTS = np.concatenate([np.arange(0, 0.0551, 0.0025), [0.07, 0.085, 0.1]])
 _HIGH_EDGE, _HIGH_EDGE_COST = 0.0299, 0.54
+#: A cell that falls off to more and more sides, as unknown cells do when they are read as deep.
+_FALLS = np.linspace(0.0, LARGEST_FEATURE, 60)
+#: The cost of a shape may change by this if it is seen in cells of twice the size.
+_CELL_SIZE_TOLERANCE = 0.075
+#: Domes and, negative, bowls: their curvatures, in [1/m].
+_CURVATURES = (-6.0, -4.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 #: Between neighbouring values of the two above: so that nothing falls in between.
 _LEAST_RISE = 5e-5
 
@@ -53,25 +63,31 @@ def slip_cost(slip: Array) -> Array:
 def fit_model(trials: Trials) -> TerrainCostModel:
     """The mixture of least squares over the trials' features, from several starts.
 
-    Three laws are part of the least squares: level ground costs nothing; a steeper plane and a higher step, at its
-    upper edge and at its foot, never cost less; and the upper edge of a step of 3 cm or more costs at least 0.54.
+    Laws are part of the least squares: level ground costs nothing; a steeper plane, a higher step, at its upper edge
+    and at its foot, and a cell that falls off to more sides never cost less; the upper edge of a step of 3 cm or more
+    costs at least 0.54; and edges, domes and bowls cost much the same in cells of 2 and of 4 cm.
     """
-    k1, k2, target = trials.k1, trials.k2, slip_cost(trials.slip)
+    k1, k2, target, count = _grouped(*trials.features, slip_cost(trials.slip))
+    weight = np.sqrt(count)
     edges = np.concatenate([_edge_features(height) for height in _EDGE_HEIGHTS], axis=1)
     feet = np.concatenate([_edge_features(-height) for height in _EDGE_HEIGHTS], axis=1)
+    fine, coarse = _features_of_shapes(SPACING), _features_of_shapes(2 * SPACING)
     high = _EDGE_HEIGHTS > _HIGH_EDGE
 
     def residuals(parameters: Array) -> Array:
         model = _model(parameters)
         cost = 1 - model.quality(k1, k2)
         plane = 1 - model.quality(np.zeros_like(_SLOPES), _SLOPES)
+        fall = 1 - model.quality(_FALLS, _FALLS)
         edge, foot = 1 - model.quality(*edges), 1 - model.quality(*feet)
+        other_size = model.quality(*fine) - model.quality(*coarse)
         laws = [
             50 * plane[:1],
-            *(5000 * np.maximum(_LEAST_RISE - np.diff(grows), 0) for grows in (plane, edge, foot)),
+            *(5000 * np.maximum(_LEAST_RISE - np.diff(grows), 0) for grows in (plane, edge, foot, fall)),
             100 * np.maximum(_HIGH_EDGE_COST - edge[high], 0),
+            100 * np.maximum(np.abs(other_size) - _CELL_SIZE_TOLERANCE, 0),
         ]
-        return np.concatenate([cost - target, *laws])
+        return np.concatenate([weight * (cost - target), *laws])
 
     best = None
     for start in range(STARTS):
@@ -95,7 +111,7 @@ def fit_model(trials: Trials) -> TerrainCostModel:
 
 def scores(model: TerrainCostModel, trials: Trials) -> dict[str, Any]:
     """How the cost goes with measured slip: Spearman's correlation with two measures of it, the explained variance."""
-    cost, target = model.cost(trials.k1, trials.k2), slip_cost(trials.slip)
+    cost, target = model.cost(*trials.features), slip_cost(trials.slip)
     figures: dict[str, Any] = {
         "placements": len(trials),
         "spearman_worst_quarter": _spearman(cost, target),
@@ -135,7 +151,12 @@ def data_file(model: TerrainCostModel, config: CampaignConfig, figures: dict[str
     return {
         "about": "c_m = 1 - sum of Gaussians over (K1, K2), see footsel/oracle/terrain_cost.py",
         "gaussians": [{key: round(value, 6) for key, value in asdict(g).items()} for g in model.gaussians],
-        "features": {"spacing_m": SPACING, "ring_weights": list(RING_WEIGHTS), "largest_drop_m": LARGEST_DROP},
+        "features": {
+            "spacing_m": SPACING,
+            "ring_weights": list(RING_WEIGHTS),
+            "largest_drop_m": LARGEST_DROP,
+            "foot_radius_m": FOOT_RADIUS,
+        },
         "provenance": {
             "command": "footsel terrain-cost fit OUT "
             f"--placements {config.placements} --held-out {config.held_out} --seed {config.seed}",
@@ -163,6 +184,17 @@ def data_file(model: TerrainCostModel, config: CampaignConfig, figures: dict[str
 _STEPS = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3)
 
 
+def _grouped(k1: Array, k2: Array, target: Array) -> tuple[Array, Array, Array, Array]:
+    """Means of K1, K2 and target over cells of the feature plane, and how many placements each cell has.
+
+    The least squares are the same but for what varies within a cell, and ten times as fast.
+    """
+    cells = np.round(np.column_stack([k1, k2]) / _GROUP).astype(np.int64)
+    _, group, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    k1, k2, target = (np.bincount(group.ravel(), values) / count for values in (k1, k2, target))
+    return k1, k2, target, count.astype(np.float64)
+
+
 def _model(parameters: Array) -> TerrainCostModel:
     return TerrainCostModel(
         tuple(
@@ -172,18 +204,31 @@ def _model(parameters: Array) -> TerrainCostModel:
     )
 
 
-def _edge_features(height: float) -> tuple[Array, Array]:
-    """Features of the last cell before a step down by `height` (up, if negative), in [m]."""
-    return _middle_features(np.where(np.arange(9)[:, None] > 4, -height, np.zeros((9, 9))))
+def _edge_features(height: float, resolution: float = SPACING) -> tuple[Array, Array]:
+    """Features of the last cell before a step down by `height` (up, if negative), in [m]; cells of `resolution`."""
+    return _middle_features(np.where(_ALONG > 0.5, -height, 0.0), resolution)
+
+
+def _features_of_shapes(resolution: float) -> tuple[Array, Array]:
+    """Features of the upper edges of steps, and of the middle of domes and bowls, in cells of `resolution`."""
+    square = (_ALONG**2 + _ALONG.T**2) * resolution**2
+    domes = [_middle_features(-curvature / 2 * square, resolution) for curvature in _CURVATURES]
+    edges = [_edge_features(height, resolution) for height in _EDGE_HEIGHTS]
+    k1, k2 = np.concatenate([*edges, *domes], axis=1)
+    return k1, k2
 
 
 def _plane_features(angle: float) -> tuple[Array, Array]:
-    return _middle_features(np.tan(angle) * SPACING * np.arange(9.0)[:, None] + np.zeros((9, 9)))
+    return _middle_features(np.tan(angle) * SPACING * _ALONG)
 
 
-def _middle_features(heights: Array) -> tuple[Array, Array]:
-    k1, k2, _ = terrain_features(heights, SPACING)
+def _middle_features(heights: Array, resolution: float = SPACING) -> tuple[Array, Array]:
+    k1, k2, _ = terrain_features(heights, resolution)
     return k1[4:5, 4], k2[4:5, 4]
+
+
+#: (9, 9) distance along x from the middle cell, in cells.
+_ALONG = np.arange(-4.0, 5.0)[:, None] + np.zeros((9, 9))
 
 
 def _spearman(cost: Array, slip: Array) -> float | None:

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from footsel.errors import InputError
-from footsel.terrain.courses import FAMILIES
+from footsel.terrain.courses import FAMILIES, make_course
 from footsel.walking.slip import campaign
-from footsel.walking.slip.campaign import FRICTIONS, CampaignConfig, Trials, draw_cells, run_campaign
+from footsel.walking.slip.campaign import FRICTIONS, PATCH, CampaignConfig, Trials, draw_cells, run_campaign
+from footsel.walking.slip.shapes import SHAPES
 from footsel.walking.slip.trial import DIRECTIONS, SLIP_CAP
 
-CONFIG = CampaignConfig(placements=36, held_out=18)
-#: Two courses to fit and one held out, of each of three families.
+CONFIG = CampaignConfig(placements=48, held_out=24)
+#: Two courses to fit and one held out, of each of three families and of the shapes.
 FEW = {name: FAMILIES[name] for name in ("flat", "steps", "rubble")}
 PER_COURSE = 6
 
@@ -48,7 +49,7 @@ def test_every_family_is_tried_on_courses_to_fit_and_on_others(whole):
     assert len(trials) == CONFIG.placements + CONFIG.held_out
     assert trials.slip.shape == (len(trials), len(FRICTIONS), DIRECTIONS)
     assert trials.slip.min() >= 0 and trials.slip.max() <= SLIP_CAP
-    for family in FEW:
+    for family in (*FEW, SHAPES):
         held_out = trials.held_out[trials.family == family]
         assert (held_out.sum(), (~held_out).sum()) == (PER_COURSE, 2 * PER_COURSE)
     assert not set(trials.course[trials.held_out]) & set(trials.course[~trials.held_out])
@@ -59,7 +60,19 @@ def test_feet_slip_on_rubble_and_not_on_flat_ground(whole):
     _, trials = whole
     assert trials.slip[trials.family == "flat"].max() < 1e-3
     assert trials.slip[trials.family == "rubble"].mean() > 5e-3
-    assert (trials.k2[trials.family == "flat"] == 0).all()
+    assert (trials.features[1][trials.family == "flat"] == 0).all()
+
+
+def test_patches_are_the_heights_around_the_cells(whole):
+    """A patch alone gives the features that the cell has on its course."""
+    _, trials = whole
+    assert (trials.patch[:, PATCH // 2, PATCH // 2] == 0).all()
+    family, seed = "rubble", 0
+    of_course = np.flatnonzero((trials.family == family) & (trials.course == seed))
+    course = make_course(family, seed, size=campaign.COURSE_SIZE)
+    on_course = np.stack(campaign.terrain_features(course.elevation, course.resolution)[:2], axis=-1).reshape(-1, 2)
+    for features in np.stack(trials.features, axis=-1)[of_course]:
+        assert np.abs(on_course - features).max(axis=1).min() < 1e-5
 
 
 def test_jobs_change_nothing(whole, tmp_path):
@@ -99,17 +112,17 @@ def test_a_folder_belongs_to_one_configuration(whole, tmp_path):
 @pytest.mark.parametrize("seed", [0, 1, 7, 1000, 123_456])
 def test_courses_of_different_seeds_and_uses_differ(seed):
     """Courses to fit are never held out, whatever the seed, nor are they those of another seed."""
-    config = CampaignConfig(placements=4 * 18, held_out=2 * 18, seed=seed)
+    config = CampaignConfig(placements=4 * 24, held_out=2 * 24, seed=seed)
     courses = np.array([course for _, course in config.jobs()])
     nothing = {field.name: courses for field in fields(Trials)}
     held_out = Trials(**nothing).held_out
-    assert held_out.sum() == 2 * 3 and (~held_out).sum() == 4 * 3
+    assert held_out.sum() == 2 * 4 and (~held_out).sum() == 4 * 4
     other = {course for _, course in replace(config, seed=seed + 1).jobs()}
     assert not other & set(courses.tolist())
 
 
 def test_half_of_the_cells_are_drawn_evenly_and_the_others_where_it_is_rough():
-    course = campaign.make_course("steps", 3, size=campaign.COURSE_SIZE)
+    course = make_course("steps", 3, size=campaign.COURSE_SIZE)
     cells, uniform = draw_cells(course, 400, np.random.default_rng(0))
     _, k2, _ = campaign.terrain_features(course.elevation, course.resolution)
     k2 = k2[tuple(cells.T)]
