@@ -1,10 +1,17 @@
 """Errors a user can meet. Each says the value that was wrong, what was expected and what to do."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 
 class FootselError(Exception):
-    """Base of every error that footsel raises on purpose; the command line prints it in one line and exits with 2."""
+    """Base of every error that footsel raises on purpose; the command line prints it in one line and exits with 2.
+
+    Errors come back whole from worker processes: pickling does not go through __init__, whose arguments vary.
+    """
+
+    def __reduce__(self) -> tuple[Callable[..., "FootselError"], tuple[Any, ...], dict[str, Any]]:
+        return _remade, (type(self), self.args), self.__dict__
 
 
 class InputError(FootselError):
@@ -41,3 +48,8 @@ class MissingExtraError(FootselError):
         self.extra = extra
         self.missing = missing
         super().__init__(f"{feature} needs the package {missing!r}; run: pip install 'footsel[{extra}]'")
+
+
+def _remade(error: type[FootselError], args: tuple[Any, ...]) -> FootselError:
+    """An error with its message, before it gets its attributes back."""
+    return error.__new__(error, *args)
