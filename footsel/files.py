@@ -1,4 +1,4 @@
-"""How results are written: all at once or not at all."""
+"""How results are written, all at once or not at all, and where what can be made again is kept."""
 
 import os
 from collections.abc import Callable
@@ -14,3 +14,11 @@ def replace_file(path: Path, write: Callable[[Path], object]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def cache_folder() -> Path:
+    """`FOOTSEL_CACHE`, or `footsel` below the user's cache folder."""
+    chosen = os.environ.get("FOOTSEL_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "footsel"

@@ -9,9 +9,10 @@ the terrain; its row holds the vertices and the level.
 from typing import Any
 
 import coal
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from footsel.compiled import compiled, inlined
 
 BOX, CYLINDER, CAPSULE, PRISM = 0.0, 1.0, 2.0, 3.0
 
@@ -49,7 +50,7 @@ def placed(row: NDArray[np.float64], rotation: NDArray[np.float64], translation:
     return moved
 
 
-@numba.njit(cache=True)
+@compiled
 def place(
     row: NDArray[np.float64], rotation: NDArray[np.float64], translation: NDArray[np.float64], out: NDArray[np.float64]
 ) -> None:  # pragma: no cover - compiled
@@ -63,14 +64,14 @@ def place(
             out[k + i] = r0 * row[k] + r1 * row[k + 1] + r2 * row[k + 2]
 
 
-@numba.njit(cache=True, inline="always")
+@inlined
 def _along(row: NDArray[np.float64], axis: int, x: float, y: float, z: float) -> float:  # pragma: no cover - compiled
     """The direction's component along an axis of the body."""
     k = AXES + 3 * axis
     return float(row[k] * x + row[k + 1] * y + row[k + 2] * z)
 
 
-@numba.njit(cache=True)
+@compiled
 def support(
     row: NDArray[np.float64], x: float, y: float, z: float
 ) -> tuple[float, float, float]:  # pragma: no cover - compiled
@@ -109,7 +110,7 @@ def support(
     return px, py, pz
 
 
-@numba.njit(cache=True)
+@compiled
 def extent(row: NDArray[np.float64], x: float, y: float, z: float) -> float:  # pragma: no cover - compiled
     """How far a body other than a prism reaches from its centre along a unit vector, in [m]."""
     along = abs(_along(row, 2, x, y, z))

@@ -7,13 +7,13 @@ to these points, kept at the grid's nodes, answer in one trilinear look-up.
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 from tqdm import tqdm
 
+from footsel.compiled import compiled
 from footsel.oracle.overlap import COLLIDES, UNDECIDED
 from footsel.oracle.self_collision import ExactSelfCollision, SelfCollisionTable
 from footsel.robot.robot import Robot
@@ -102,7 +102,7 @@ class _Workspace:
         return np.asarray(start + ((low + high) / 2)[:, None] * ahead)
 
 
-@numba.njit(cache=True)
+@compiled
 def _margins(
     distance: NDArray[np.float32], origin: NDArray[np.float64], points: NDArray[np.float64]
 ) -> NDArray[np.float64]:  # pragma: no cover - compiled

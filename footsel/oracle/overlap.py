@@ -8,10 +8,10 @@ wrong one. Pairs nearer to touching than BAND, and the few for which an edge of 
 are UNDECIDED.
 """
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from footsel.compiled import compiled
 from footsel.oracle.convex import support
 
 CLEAR, COLLIDES, UNDECIDED = 0, 1, 2
@@ -28,7 +28,7 @@ def workspace() -> NDArray[np.float64]:
     return np.empty((4, 4))
 
 
-@numba.njit(cache=True)
+@compiled
 def overlap(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
@@ -50,7 +50,7 @@ def overlap(
     return answer
 
 
-@numba.njit(cache=True)
+@compiled
 def _search(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
@@ -90,7 +90,7 @@ def _search(
     return UNDECIDED
 
 
-@numba.njit(cache=True)
+@compiled
 def _through_triangle(
     first: NDArray[np.float64], second: NDArray[np.float64], s: NDArray[np.float64]
 ) -> int:  # pragma: no cover - compiled
@@ -117,7 +117,7 @@ def _through_triangle(
     return COLLIDES
 
 
-@numba.njit(cache=True)
+@compiled
 def _depth(s: NDArray[np.float64], a: int, b: int, c: int, d: int) -> float:  # pragma: no cover - compiled
     """Height of the origin over the plane of a, b, c, positive on the side of d; NaN for a flat tetrahedron."""
     ux, uy, uz = s[b, 0] - s[a, 0], s[b, 1] - s[a, 1], s[b, 2] - s[a, 2]
@@ -131,7 +131,7 @@ def _depth(s: NDArray[np.float64], a: int, b: int, c: int, d: int) -> float:  # 
     return float(here / length if there > 0.0 else -here / length)
 
 
-@numba.njit(cache=True)
+@compiled
 def _holds_origin(s: NDArray[np.float64]) -> bool:  # pragma: no cover - compiled
     """Whether the origin is deeper than BAND inside the tetrahedron."""
     for d in range(4):  # noqa: SIM110 (compiled)
@@ -140,7 +140,7 @@ def _holds_origin(s: NDArray[np.float64]) -> bool:  # pragma: no cover - compile
     return True
 
 
-@numba.njit(cache=True)
+@compiled
 def _keep_nearest(s: NDArray[np.float64], count: int) -> int:  # pragma: no cover - compiled
     """Reduce the simplex to the points that span its point nearest to the origin, and give these their weights.
 
@@ -177,7 +177,7 @@ def _keep_nearest(s: NDArray[np.float64], count: int) -> int:  # pragma: no cove
     return left
 
 
-@numba.njit(cache=True)
+@compiled
 def _on_segment(s: NDArray[np.float64]) -> tuple[float, float]:  # pragma: no cover - compiled
     """Weights of the two ends for the segment's point nearest to the origin."""
     ux, uy, uz = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1], s[1, 2] - s[0, 2]
@@ -187,7 +187,7 @@ def _on_segment(s: NDArray[np.float64]) -> tuple[float, float]:  # pragma: no co
     return 1.0 - share, share
 
 
-@numba.njit(cache=True)
+@compiled
 def _on_triangle(
     s: NDArray[np.float64], a: int, b: int, c: int
 ) -> tuple[float, float, float, float]:  # pragma: no cover - compiled

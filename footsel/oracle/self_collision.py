@@ -8,12 +8,12 @@ joint angles, the table serves every base tilt, terrain height and cell size.
 from dataclasses import dataclass
 
 import coal
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 from tqdm import tqdm
 
+from footsel.compiled import compiled
 from footsel.oracle.convex import AXES, CENTRE, extent, place, placed, shape_row
 from footsel.oracle.overlap import BAND, CLEAR, COLLIDES, UNDECIDED, overlap, workspace
 from footsel.oracle.swing_bodies import SwingBodies
@@ -106,7 +106,7 @@ class ExactSelfCollision:
         return found
 
 
-@numba.njit(cache=True)
+@compiled
 def _judge(
     leg: NDArray[np.float64],
     axes: NDArray[np.float64],
@@ -146,7 +146,7 @@ def _judge(
                 break
 
 
-@numba.njit(cache=True)
+@compiled
 def _radii(boxes: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma: no cover - compiled
     """(m,) radius of a sphere that holds a box of half sides (m, 3), in [m]."""
     radii = np.empty(len(boxes))
@@ -155,7 +155,7 @@ def _radii(boxes: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma: no cov
     return radii
 
 
-@numba.njit(cache=True)
+@compiled
 def _boxes(rows: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma: no cover - compiled
     """(m, 3) half sides along its own axes of a box that holds each body, in [m]."""
     boxes = np.empty((len(rows), 3))
@@ -166,7 +166,7 @@ def _boxes(rows: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma: no cove
     return boxes
 
 
-@numba.njit(cache=True)
+@compiled
 def _from_box(
     standing: NDArray[np.float64],
     half_sides: NDArray[np.float64],
@@ -249,7 +249,7 @@ def _box_differs(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return (total > 0) & (total < 8)
 
 
-@numba.njit(cache=True)
+@compiled
 def _look_up(
     answer: NDArray[np.uint8], low: NDArray[np.float64], step: NDArray[np.float64], angles: NDArray[np.float64]
 ) -> NDArray[np.uint8]:  # pragma: no cover - compiled

@@ -1,15 +1,13 @@
 """The oracle's tables for one leg, built once per robot model and kept in the user's cache folder."""
 
 import hashlib
-import os
 import zipfile
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from footsel.files import replace_file
+from footsel.files import cache_folder, replace_file
 from footsel.oracle import kinematic_margin, self_collision
 from footsel.oracle.kinematic_margin import MarginField
 from footsel.oracle.self_collision import SelfCollisionTable
@@ -51,14 +49,6 @@ def load_tables(robot: Robot, leg: str) -> Tables:
         ),
     )
     return Tables(table, MarginField(kept.astype(np.float32), margin.origin))
-
-
-def cache_folder() -> Path:
-    """`FOOTSEL_CACHE`, or `footsel` below the user's cache folder."""
-    chosen = os.environ.get("FOOTSEL_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "footsel"
 
 
 def _fingerprint(robot: Robot) -> str:

@@ -10,10 +10,10 @@ from functools import cached_property
 from typing import Any
 
 import coal
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from footsel.compiled import compiled
 from footsel.oracle.convex import AXES, BOTTOM, CENTRE, PRISM, ROW, SIZES, extent, place, support
 from footsel.oracle.overlap import BAND, CLEAR, COLLIDES, UNDECIDED, overlap, workspace
 from footsel.oracle.swing_bodies import SwingBodies
@@ -106,7 +106,7 @@ class TerrainCollision:
         return found
 
 
-@numba.njit(cache=True)
+@compiled
 def _judge(
     leg: NDArray[np.float64],
     link: NDArray[np.int64],
@@ -144,7 +144,7 @@ def _judge(
                 verdict[k, m] = UNDECIDED
 
 
-@numba.njit(cache=True)
+@compiled
 def body_against_terrain(
     body: NDArray[np.float64],
     heights: NDArray[np.float64],
@@ -208,7 +208,7 @@ def body_against_terrain(
     return UNDECIDED if undecided else CLEAR
 
 
-@numba.njit(cache=True)
+@compiled
 def _across(body: NDArray[np.float64], out: NDArray[np.float64]) -> None:  # pragma: no cover - compiled
     """The unit vector perpendicular to the body's longest axis that points up the most."""
     axis = 2
@@ -225,14 +225,14 @@ def _across(body: NDArray[np.float64], out: NDArray[np.float64]) -> None:  # pra
         out[0], out[1], out[2] = -up * body[k] / across, -up * body[k + 1] / across, (1.0 - up * up) / across
 
 
-@numba.njit(cache=True)
+@compiled
 def _reach_down(body: NDArray[np.float64], direction: NDArray[np.float64]) -> float:  # pragma: no cover - compiled
     """The least component of the body's points along a direction, in [m]."""
     x, y, z = support(body, -direction[0], -direction[1], -direction[2])
     return float(direction[0] * x + direction[1] * y + direction[2] * z)
 
 
-@numba.njit(cache=True)
+@compiled
 def _quad_reach(
     direction: NDArray[np.float64],
     x: float,
@@ -249,7 +249,7 @@ def _quad_reach(
     return float(direction[0] * x + direction[1] * y + corners)
 
 
-@numba.njit(cache=True)
+@compiled
 def quad_maxima(heights: NDArray[np.float64]) -> NDArray[np.float64]:  # pragma: no cover - compiled
     """(n-1, n-1) highest corner of the quad between four cell centres."""
     rows, columns = heights.shape

@@ -7,10 +7,10 @@ is a two-link chain T (thigh), S (shank), at the constant distance d from the HA
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footsel.compiled import compiled, inlined
 from footsel.errors import InputError
 
 #: How far from perpendicular or parallel the axes of a URDF may be.
@@ -141,13 +141,13 @@ def _turn_w(link: NDArray[np.float64], angle: NDArray[np.float64]) -> NDArray[np
     return np.asarray(-link[0] * np.sin(angle) + link[1] * np.cos(angle))
 
 
-@numba.njit(cache=True, inline="always")
+@inlined
 def _wrapped(angle: float) -> float:
     """The angle in (-pi, pi]."""
     return float(angle - 2 * np.pi * np.ceil(angle / (2 * np.pi) - 0.5))
 
 
-@numba.njit(cache=True)
+@compiled
 def solve(
     leg: NDArray[np.float64], x: float, y: float, z: float
 ) -> tuple[bool, float, float, float]:  # pragma: no cover - compiled
@@ -181,7 +181,7 @@ def solve(
     return in_range, haa, hfe, kfe
 
 
-@numba.njit(cache=True)
+@compiled
 def solve_many(
     leg: NDArray[np.float64],
     targets: NDArray[np.float64],
@@ -195,7 +195,7 @@ def solve_many(
         )
 
 
-@numba.njit(cache=True)
+@compiled
 def link_frames(
     leg: NDArray[np.float64],
     axes: NDArray[np.float64],

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from footsel.files import cache_folder
 from footsel.legs import LEGS
 from footsel.oracle import Oracle, tables
 from footsel.oracle.kinematic_margin import MarginField
 from footsel.oracle.self_collision import COLLIDES, FREE, UNDECIDED, ExactSelfCollision, SelfCollisionTable
-from footsel.oracle.tables import cache_folder, load_tables
+from footsel.oracle.tables import load_tables
 from footsel.robot import load_robot
 
 

@@ -6,9 +6,10 @@ from (i + 1, j) to (i, j + 1).
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from footsel.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def touchdown_heights(heights: NDArray[np.floating], resolution: float, radius: 
     return centres * resolution
 
 
-@numba.njit(cache=True)
+@compiled
 def _touchdown_heights(surface: Array, radius: float, index: Array) -> Array:  # pragma: no cover - compiled
     """All lengths in cells."""
     centres = np.empty(len(index))
@@ -46,14 +47,14 @@ def _touchdown_heights(surface: Array, radius: float, index: Array) -> Array:  #
     return centres
 
 
-@numba.njit(cache=True)
+@compiled
 def _over_corner(corner: Any, radius: float) -> float:  # pragma: no cover - compiled
     """Height of a ball on the vertical axis that touches a point; -inf if it passes by."""
     reach = radius**2 - corner[0] ** 2 - corner[1] ** 2
     return float(corner[2] + np.sqrt(reach)) if reach >= 0 else -np.inf
 
 
-@numba.njit(cache=True)
+@compiled
 def _over_edge(start: Any, end: Any, radius: float) -> float:  # pragma: no cover - compiled
     """The same for an edge: the axis' upper point at the ball's radius from the edge's line, if it faces the edge."""
     dx, dy, dz = end[0] - start[0], end[1] - start[1], end[2] - start[2]
@@ -71,7 +72,7 @@ def _over_edge(start: Any, end: Any, radius: float) -> float:  # pragma: no cove
     return float(start[2] + rise) if 0 <= at <= length else -np.inf
 
 
-@numba.njit(cache=True)
+@compiled
 def _over_face(corner: Any, first: Any, second: Any, radius: float) -> float:  # pragma: no cover - compiled
     """The same for a right-angled triangle whose two short sides leave `corner` along the grid's axes."""
     along_x, along_y = first[0] - corner[0], second[1] - corner[1]
