@@ -37,8 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the trials, fit, write OUT/terrain_cost.json and say how well it does."""
     with needing("footsel terrain-cost", "sim"):
-        import pybullet  # noqa: F401
-
+        import footsel.walking.bullet  # noqa: F401
         from footsel.dataset.store import write_json
         from footsel.oracle.terrain_cost import DATA_FILE
         from footsel.robot import load_robot

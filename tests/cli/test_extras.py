@@ -12,7 +12,7 @@ from footsel.legs import LEGS
 BARE = """
 import sys
 for name in ("torch", "pinocchio", "coal", "numba", "scipy", "tqdm", "joblib", "matplotlib", "jinja2", "onnx", "tomli",
-             "safetensors", "rosbags", "PIL", "plyfile", "distributed", "example_robot_data"):
+             "pybullet", "safetensors", "rosbags", "PIL", "plyfile", "distributed", "example_robot_data"):
     sys.modules[name] = None
 from footsel.cli.main import main
 sys.exit(main(sys.argv[1:]))
@@ -41,6 +41,7 @@ def test_numpy_and_onnxruntime_are_enough(bumpy_map, model_folder, level_pose):
         (("train", "d", "r"), "train"),
         (("evaluate", "m", "d", "--out", "m.json"), "train"),
         (("export", "r", "o"), "train"),
+        (("terrain-cost", "fit", "o"), "sim"),
         (("select", "cloud.ply", "POSE"), "maps"),
     ],
 )

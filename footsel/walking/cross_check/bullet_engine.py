@@ -9,18 +9,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from footsel.errors import MissingExtraError
 from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.terrain import LocalMap
+from footsel.walking.bullet import BulletWorld, pybullet
 from footsel.walking.cross_check.engine import NO_SHIFT, Engine, Vector
 from footsel.walking.cross_check.split_urdf import TRIMMED, split_urdf
 from footsel.walking.cross_check.terrain_mesh import TerrainMesh
-
-try:
-    import pybullet
-except ImportError:
-    raise MissingExtraError("the check with PyBullet", "sim", "pybullet") from None
 
 
 class BulletEngine(Engine):
@@ -30,7 +25,7 @@ class BulletEngine(Engine):
     """
 
     def __init__(self, robot: Robot, leg: str) -> None:
-        self._client = pybullet.connect(pybullet.DIRECT)
+        self._world = BulletWorld()
         self._hip = robot.layout.hips[leg]
         bodies = robot.bodies[leg]
         joints = robot.description.joints[leg]
@@ -41,17 +36,11 @@ class BulletEngine(Engine):
             added = [(moved[joints[body.joint - 1]], body) for body in cut]
             path.write_text(split_urdf(robot.description.urdf_path, added), encoding="utf-8")
             self._moving, self._standing = (
-                pybullet.loadURDF(
-                    str(path),
-                    useFixedBase=True,
-                    flags=pybullet.URDF_USE_IMPLICIT_CYLINDER,
-                    physicsClientId=self._client,
-                )
+                self._world.loadURDF(str(path), useFixedBase=True, flags=pybullet.URDF_USE_IMPLICIT_CYLINDER)
                 for _ in range(2)
             )
         infos = [
-            pybullet.getJointInfo(self._moving, index, physicsClientId=self._client)
-            for index in range(pybullet.getNumJoints(self._moving, physicsClientId=self._client))
+            self._world.getJointInfo(self._moving, index) for index in range(self._world.getNumJoints(self._moving))
         ]
         joint_index = {info[1].decode(): info[0] for info in infos}
         self._link_index = {info[12].decode(): info[0] for info in infos}
@@ -60,7 +49,7 @@ class BulletEngine(Engine):
         for each in LEGS:
             for name, angle in zip(robot.description.joints[each], robot.description.stance[each], strict=True):
                 for body in (self._moving, self._standing):
-                    pybullet.resetJointState(body, joint_index[name], angle, physicsClientId=self._client)
+                    self._world.resetJointState(body, joint_index[name], angle)
         self._allowed = {(bodies.swing[i].name, bodies.obstacles[j].name) for i, j in bodies.pairs}
         self._swing = [body.name for body in bodies.swing]
         names = {body.name for body in cut}
@@ -70,16 +59,15 @@ class BulletEngine(Engine):
     def stand(self, local_map: LocalMap, tilt: Vector) -> None:
         """Put the base over a terrain."""
         if self._terrain is not None:
-            pybullet.removeBody(self._terrain, physicsClientId=self._client)
+            self._world.removeBody(self._terrain)
         self._mesh = TerrainMesh.of(local_map)
-        shape = pybullet.createCollisionShape(
+        shape = self._world.createCollisionShape(
             pybullet.GEOM_MESH,
             vertices=self._mesh.vertices.tolist(),
             indices=self._mesh.triangles.ravel().tolist(),
             flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
-            physicsClientId=self._client,
         )
-        self._terrain = pybullet.createMultiBody(0, shape, physicsClientId=self._client)
+        self._terrain = self._world.createMultiBody(0, shape)
         self._origin, self._turn = -tilt @ self._hip, pin.Quaternion(tilt).coeffs()
         self._place(self._standing, NO_SHIFT)
 
@@ -107,34 +95,26 @@ class BulletEngine(Engine):
     def close(self) -> None:
         """End PyBullet's world."""
         with suppress(pybullet.error):
-            pybullet.disconnect(self._client)
+            self._world.disconnect()
 
     def _near(self, link: str, other: int) -> list[Any]:
-        points = pybullet.getClosestPoints(
-            self._moving, other, 0.0, linkIndexA=self._link_index[link], physicsClientId=self._client
-        )
+        points = self._world.getClosestPoints(self._moving, other, 0.0, linkIndexA=self._link_index[link])
         return [point for point in points if point[8] <= 0]
 
     def _centre(self, link: str) -> Vector:
         """(3,) centre of a body, from the frame of its link and the place of its shape in it."""
         index = self._link_index[link]
-        state = pybullet.getLinkState(self._moving, index, computeForwardKinematics=True, physicsClientId=self._client)
-        ((_, _, _, _, _, centre, _),) = pybullet.getCollisionShapeData(
-            self._moving, index, physicsClientId=self._client
-        )
-        turn = np.reshape(pybullet.getMatrixFromQuaternion(state[5]), (3, 3))
+        state = self._world.getLinkState(self._moving, index, computeForwardKinematics=True)
+        ((_, _, _, _, _, centre, _),) = self._world.getCollisionShapeData(self._moving, index)
+        turn = np.reshape(self._world.getMatrixFromQuaternion(state[5]), (3, 3))
         return np.asarray(np.asarray(state[4]) + turn @ centre)
 
     def _pose(self, angles: Vector, shift: Vector) -> None:
         self._place(self._moving, shift)
-        pybullet.resetJointStatesMultiDof(
-            self._moving, self._joints, [[float(angle)] for angle in angles], physicsClientId=self._client
-        )
+        self._world.resetJointStatesMultiDof(self._moving, self._joints, [[float(angle)] for angle in angles])
 
     def _place(self, body: int, shift: Vector) -> None:
-        pybullet.resetBasePositionAndOrientation(
-            body, (self._origin + shift).tolist(), self._turn.tolist(), physicsClientId=self._client
-        )
+        self._world.resetBasePositionAndOrientation(body, (self._origin + shift).tolist(), self._turn.tolist())
 
 
 def _moved_links(path: Path) -> dict[str, str]:
