@@ -4,6 +4,7 @@ import argparse
 
 from footsel.cli.numbers import jobs, whole_number
 from footsel.cli.options import add_robot, add_seed, needing, output_folder
+from footsel.files import write_json
 
 HELP = "slip trials and the fit of the terrain cost"
 
@@ -38,7 +39,6 @@ def run(args: argparse.Namespace) -> int:
     """Run the trials, fit, write OUT/terrain_cost.json and say how well it does."""
     with needing("footsel terrain-cost", "sim"):
         import footsel.walking.bullet  # noqa: F401
-        from footsel.dataset.store import write_json
         from footsel.oracle.terrain_cost import DATA_FILE
         from footsel.robot import load_robot
         from footsel.walking.slip.campaign import CampaignConfig, run_campaign

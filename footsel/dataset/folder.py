@@ -1,21 +1,20 @@
 """The folder that a dataset grows in: of one configuration and version of the software, one process at a time."""
 
 import fcntl
-import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
+from footsel.claim import CONFIG, claim_folder
 from footsel.dataset.config import DatasetConfig
-from footsel.dataset.store import MANIFEST, write_json
+from footsel.dataset.store import MANIFEST
 from footsel.errors import InputError
+from footsel.files import leftovers
 
-CONFIG = "config.json"
-#: What replace_file leaves behind when it is killed.
-_LEFTOVERS = ("*/.shard_*.tmp.npz", ".config.*.tmp.json", ".manifest.*.tmp.json")
+#: What a killed writer leaves behind.
+_LEFTOVER_SHARDS = "*/.shard_*.tmp.npz"
 
 
 @contextmanager
@@ -28,10 +27,10 @@ def claimed_folder(path: Path, config: DatasetConfig, versions: dict[str, str]) 
     handle = os.open(path, os.O_RDONLY)
     try:
         _lock(handle, path)
-        for pattern in _LEFTOVERS:
-            for leftover in path.glob(pattern):
-                leftover.unlink()
-        _check(path, {"config": asdict(config), "versions": versions})
+        for leftover in (*leftovers(path / CONFIG), *leftovers(path / MANIFEST), *path.glob(_LEFTOVER_SHARDS)):
+            leftover.unlink()
+        content = "finished dataset" if (path / MANIFEST).exists() else "dataset"
+        claim_folder(path, content, {"config": asdict(config), "versions": versions})
         yield
     finally:
         os.close(handle)
@@ -47,30 +46,3 @@ def _lock(handle: int, path: Path) -> None:
         ) from None
     except OSError:
         pass  # A file system without locks.
-
-
-def _check(path: Path, wanted: dict[str, Any]) -> None:
-    """Write into an empty folder what it will hold, or compare."""
-    wanted = json.loads(json.dumps(wanted))
-    file = path / CONFIG
-    if not file.exists():
-        if any(path.iterdir()):
-            raise InputError(f"{path} is not empty and holds no dataset", "choose another folder")
-        write_json(file, wanted)
-        return
-    try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-        differences = [
-            f"{name} {found[part].get(name)} and not {value}"
-            for part in ("config", "versions")
-            for name, value in wanted[part].items()
-            if found[part].get(name) != value
-        ]
-    except (ValueError, KeyError, AttributeError, TypeError):
-        raise InputError(f"{file} is damaged", "delete the folder or choose another one") from None
-    if differences:
-        state = "finished" if (path / MANIFEST).exists() else "begun"
-        raise InputError(
-            f"{path} holds a dataset of another configuration, {state} with {', '.join(differences)}",
-            "choose another folder or delete it",
-        )

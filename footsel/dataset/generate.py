@@ -24,12 +24,12 @@ from footsel.dataset.store import (
     pair_entry,
     record_shard,
     shard_path,
-    write_json,
     write_shard,
 )
 from footsel.dataset.tally import add_tallies, tally_shares
 from footsel.dataset.versions import versions
 from footsel.errors import InputError
+from footsel.files import write_json
 
 #: Pair of legs and number of a shard.
 ShardKey = tuple[str, int]

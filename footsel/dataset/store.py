@@ -4,8 +4,7 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from footsel.dataset.samples import Samples
 from footsel.dataset.sampling import COMPOSED
 from footsel.dataset.tally import Tally, add_tallies, tally_of, tally_shares
 from footsel.errors import InputError, UnknownNameError
-from footsel.files import replace_file
+from footsel.files import replace_file, writing
 from footsel.legs import check_pair
 from footsel.terrain.courses import FAMILIES
 
@@ -132,7 +131,7 @@ def pack_shard(samples: Samples) -> bytes:
 
 def write_shard(path: Path, content: bytes) -> None:
     """Write what pack_shard made; the file appears whole or not at all."""
-    with _writing(path):
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(path, lambda temporary: temporary.write_bytes(content))
 
@@ -169,25 +168,6 @@ def pair_entry(records: Sequence[ShardRecord]) -> dict[str, Any]:
     """The manifest's entry of a pair: its shards with their hashes, and the shares of what they hold."""
     shards = [{"file": record.file, "samples": record.samples, "sha256": record.sha256} for record in records]
     return {"shards": shards, **tally_shares(add_tallies(record.tally for record in records))}
-
-
-def write_json(path: Path, values: Any) -> None:
-    """Write JSON; the file appears whole or not at all."""
-    text = json.dumps(values, indent=1) + "\n"
-    with _writing(path):
-        replace_file(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    """A full disk or a folder that may not be written to becomes an InputError."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"cannot write {path} ({error.strerror or error})",
-            "mend that and run the same command again: it goes on from what is there",
-        ) from None
 
 
 def _sha256(path: Path) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 from tqdm import tqdm
 
 from footsel.dataset import Samples, open_dataset
-from footsel.dataset.store import write_json
 from footsel.errors import InputError, MissingExtraError, ModelError
+from footsel.files import write_json
 from footsel.footholds import LegLayout
 from footsel.learning.files import MODEL_FILE
 from footsel.learning.predictions import CHUNK, Predict, predict_chunk

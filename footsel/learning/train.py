@@ -19,9 +19,8 @@ from tqdm import tqdm
 
 import footsel
 from footsel.dataset import Samples, open_dataset
-from footsel.dataset.store import write_json
 from footsel.errors import InputError
-from footsel.files import replace_file
+from footsel.files import replace_file, write_json
 from footsel.footholds import LegLayout
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (

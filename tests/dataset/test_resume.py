@@ -167,13 +167,13 @@ def test_an_unfinished_dataset_is_not_opened(dataset):
 
 
 def test_another_configuration_is_refused_and_named(dataset, config):
-    with pytest.raises(InputError, match="another configuration, finished with seed 3 and not 4"):
+    with pytest.raises(InputError, match=r"holds a finished dataset .* with config\.seed 3 and not 4;"):
         generate(replace(config, seed=4), dataset, jobs=1)
 
 
 def test_other_software_does_not_go_on(dataset, config):
     with (
-        pytest.raises(InputError, match=r"numpy 2.*and not 1\.0"),
+        pytest.raises(InputError, match=r"versions\.numpy 2.*and not 1\.0"),
         claimed_folder(dataset, config, {**versions(), "numpy": "1.0"}),
     ):
         pass

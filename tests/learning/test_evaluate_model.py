@@ -12,11 +12,11 @@ from footsel.dataset.store import (
     pair_entry,
     record_shard,
     shard_path,
-    write_json,
     write_shard,
 )
 from footsel.errors import InputError, ModelError
 from footsel.exporting.onnx_file import to_onnx, with_contract
+from footsel.files import write_json
 from footsel.footholds import DISTANCE_WEIGHT, LegLayout
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning.checkpoint import load_network

@@ -1,6 +1,5 @@
 """Slip trials on courses of every family: one job per course, each kept in a file of its own until all are there."""
 
-import json
 import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from footsel.errors import InputError
+from footsel.claim import claim_folder
 from footsel.files import replace_file
 from footsel.oracle.terrain_cost import terrain_features
 from footsel.robot import load_robot
@@ -95,7 +94,7 @@ def run_campaign(config: CampaignConfig, out: Path, jobs: int = -1) -> Trials:
     Raises InputError if `out` holds the trials of another configuration.
     """
     folder = out / "trials"
-    _claim(config, out)
+    claim_folder(out, "campaign of slip trials", asdict(config))
     folder.mkdir(exist_ok=True)
     work = list(config.jobs())
     paths = [folder / f"{family}_{seed}.npz" for family, seed in work]
@@ -159,16 +158,3 @@ def _read(path: Path) -> Trials | None:
             return Trials(**{field.name: stored[field.name] for field in fields(Trials)})
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
         return None
-
-
-def _claim(config: CampaignConfig, out: Path) -> None:
-    """Write the configuration into an empty folder, or check that it is the folder's."""
-    path, text = out / "config.json", json.dumps(asdict(config), indent=1) + "\n"
-    if path.exists():
-        if path.read_text(encoding="utf-8") != text:
-            raise InputError(f"{out} holds slip trials of another configuration", "choose another folder or delete it")
-        return
-    out.mkdir(parents=True, exist_ok=True)
-    if any(out.iterdir()):
-        raise InputError(f"{out} is not empty and holds no slip trials", "choose another folder")
-    replace_file(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

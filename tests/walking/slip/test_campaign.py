@@ -101,10 +101,10 @@ def test_a_killed_campaign_goes_on(whole, tmp_path):
 
 def test_a_folder_belongs_to_one_configuration(whole, tmp_path):
     out, _ = whole
-    with pytest.raises(InputError, match="another configuration"):
+    with pytest.raises(InputError, match="another configuration, with seed 0 and not 1;"):
         run_campaign(replace(CONFIG, seed=1), out)
     (tmp_path / "letter.txt").write_text("mine")
-    with pytest.raises(InputError, match="no slip trials"):
+    with pytest.raises(InputError, match="no campaign of slip trials"):
         run_campaign(CONFIG, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]
 
