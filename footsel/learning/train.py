@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import math
 import platform
 import sys
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 import footsel
+from footsel.claim import claim_folder
 from footsel.dataset import Samples, open_dataset
 from footsel.errors import InputError
 from footsel.files import replace_file, write_json
@@ -211,33 +211,18 @@ def _curve_figures(judgement: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _claim_folder(folder: Path, config: dict[str, Any], resume: bool) -> bool:
-    """Write config.json into a new folder, or check that a started training is the one asked for.
+    """Take a new folder, or one whose training is the one asked for; returns whether there is something to go on from.
 
-    Returns whether there is a checkpoint to go on from. Raises InputError if the folder holds another training, or any
-    without `resume`.
+    Raises InputError if the folder holds another training, or any without `resume`.
     """
-    path = folder / "config.json"
     started = (folder / CHECKPOINT_FILE).is_file()
     if started and not resume:
         raise InputError(f"{folder} already holds a training", "give --resume to go on with it, or another folder")
-    if started:
-        try:
-            before = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError(f"cannot read {path} ({error})", "start again in another folder") from None
-        for key, value in config.items():
-            if before.get(key) != value:
-                raise InputError(
-                    f"{folder} was trained with {key} {before.get(key)}, not {value}",
-                    "resume with the same values, or start in another folder",
-                )
-        return True
-    folder.mkdir(parents=True, exist_ok=True)
     versions = {"footsel": footsel.__version__, "torch": torch.__version__, "python": platform.python_version()}
     bfloat16 = computes_in_bfloat16(config["recipe"]["precision"])
     machine = {"threads": torch.get_num_threads(), "bfloat16": bfloat16, "versions": versions}
-    write_json(path, {**config, **machine})
-    return False
+    claim_folder(folder, "training", config, notes=machine)
+    return started
 
 
 def _read_curves(path: Path) -> list[dict[str, Any]]:

@@ -145,10 +145,12 @@ def test_a_folder_holds_one_training(data, tmp_path):
     info = fit(data, tmp_path / "front", recipe)
     with pytest.raises(InputError, match="already holds a training; give --resume"):
         fit(data, tmp_path / "front", recipe)
-    with pytest.raises(InputError, match="was trained with seed 0, not 1"):
+    with pytest.raises(InputError, match="another configuration, with seed 0 and not 1;"):
         fit(data, tmp_path / "front", recipe, resume=True, seed=1)
-    with pytest.raises(InputError, match="was trained with recipe"):
+    with pytest.raises(InputError, match=r"with recipe\.epochs 1 and not 2;"):
         fit(data, tmp_path / "front", replace(recipe, epochs=2), resume=True)
+    with pytest.raises(InputError, match=r"with maps\.training 24 and not 6, maps\.validation 6 and not 24;"):
+        fit(replace(data, training=data.validation, validation=data.training), tmp_path / "front", recipe, resume=True)
     # Nothing is left to do, so nothing is done.
     assert fit(data, tmp_path / "front", recipe, resume=True) == info
 
