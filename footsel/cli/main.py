@@ -5,7 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import footsel
 from footsel.cli.numbers import protect_negative_numbers
@@ -20,11 +20,18 @@ EXIT_NOBODY_READS = 141  # 128 + SIGPIPE
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises InputError for wrong use, and takes no abbreviated options."""
+    """Raises InputError for wrong use, with the option's name, and takes no abbreviated options."""
 
     def error(self, message: str) -> NoReturn:
         """What argparse found wrong, and where to read on."""
         raise InputError(message, f"see `{self.prog} --help`")
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        try:
+            return super()._get_value(action, arg_string)
+        except InputError as error:
+            name = action.option_strings[0] if action.option_strings else action.metavar
+            raise InputError(f"{name}: {error.what}", error.remedy) from None
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -46,12 +46,12 @@ def whole_number(least: int) -> Callable[[str], int]:
 
 
 def jobs(text: str) -> int:
-    """A number of processes, as joblib counts them: -1 is all cores."""
+    """A number of processes; -1 is one per core. Raises InputError for anything else."""
     try:
         number = int(text)
     except ValueError:
         number = 0
-    if number == 0:
+    if number != -1 and number < 1:
         raise InputError(f"{text.strip()!r} is no number of jobs", "give a count of 1 or more, or -1 for all cores")
     return number
 

@@ -2,8 +2,8 @@
 
 import argparse
 
-from footsel.cli.numbers import jobs, whole_number
-from footsel.cli.options import add_robot, add_seed, needing, output_folder
+from footsel.cli.numbers import whole_number
+from footsel.cli.options import add_jobs, add_robot, add_seed, needing, output_folder
 from footsel.files import write_json
 
 HELP = "slip trials and the fit of the terrain cost"
@@ -20,19 +20,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         allow_abbrev=False,
     )
     fit.add_argument("out", metavar="OUT", type=output_folder, help="folder of the trials, the fit and its figures")
+    # Its own help is where to read on.
+    fit.set_defaults(command_parser=fit)
     fit.add_argument(
-        "--placements", type=whole_number(1), default=24000, metavar="N", help="to fit (default: %(default)s)"
+        "--placements",
+        type=whole_number(1),
+        default=24000,
+        metavar="N",
+        help="placements of a foot to fit (default: %(default)s)",
     )
     fit.add_argument(
         "--held-out",
         type=whole_number(1),
         default=4800,
         metavar="N",
-        help="on other courses, to judge the fit by (default: %(default)s)",
+        help="placements on other courses, to judge the fit by (default: %(default)s)",
     )
-    fit.add_argument("--jobs", type=jobs, default=-1, metavar="N", help="processes (default: one per core)")
-    add_seed(fit)
     add_robot(fit)
+    add_seed(fit)
+    add_jobs(fit)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -52,7 +52,11 @@ class Dataset:
         families: Sequence[str] | None = None,
         exclude: Sequence[str] | None = None,
     ) -> Samples:
-        """Samples of a pair: of the given shards and terrain families (default all), without the excluded families."""
+        """Samples of a pair: of the given shards and terrain families (default all), without the excluded families.
+
+        Raises InputError for a pair that it has not, or a family that nobody knows.
+        """
+        self._check_families(pair, (*(families or ()), *(exclude or ())))
         numbers = range(self.shard_count(pair)) if shards is None else shards
         samples = Samples.concatenate([read_shard(shard_path(self.path, pair, number)) for number in numbers])
         keep = np.ones(len(samples), dtype=np.bool_)
@@ -69,7 +73,6 @@ class Dataset:
 
         They share no course. The exception is the paper's recipe, which samples both from its one map.
         """
-        self._check_families(pair, (*(families or ()), *(exclude or ())))
         count = self.shard_count(pair)
         held = max(int(count * VALIDATION_SHARE), 1)
         if held >= count:

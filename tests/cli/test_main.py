@@ -36,6 +36,26 @@ def test_every_command_has_help(footsel, command):
         pytest.fail(f"{option} of {command} has no help")
 
 
+def test_the_fit_of_the_terrain_cost_has_help(footsel):
+    outcome = footsel("terrain-cost", "fit", "--help")
+    assert outcome.code == 0 and outcome.err == ""
+    for words in ("--seed SEED", "--jobs N", "--robot ROBOT", "placements of a foot"):
+        assert words in outcome.out
+
+
+def test_a_file_in_the_place_of_a_folder_is_named(footsel, tmp_path):
+    (tmp_path / "file").touch()
+    for command in (("dataset",), ("terrain-cost", "fit")):
+        assert footsel(*command, tmp_path / "file").complains(f"OUT: {tmp_path / 'file'} is a file", "give a folder")
+
+
+def test_folders_of_other_things_are_refused(footsel, tmp_path):
+    (tmp_path / "letter").touch()
+    for command in (("dataset",), ("terrain-cost", "fit")):
+        assert footsel(*command, tmp_path, "--jobs", "1").complains("is not empty", "choose another folder")
+    assert [path.name for path in tmp_path.iterdir()] == ["letter"]
+
+
 def test_help_lists_all_commands(footsel):
     outcome = footsel("--help")
     assert outcome.code == 0
@@ -64,10 +84,17 @@ def test_version(footsel):
         (("select", "--sel", "cnn"), ("footsel select --help",)),  # No abbreviations.
         (("select", "m.npz"), ("--pose", "footsel select --help")),
         (("dataset",), ("OUT",)),
-        (("dataset", "d", "--maps", "0"), ("'0'", "1 or more")),
-        (("dataset", "d", "--jobs", "0"), ("'0'", "-1")),
-        (("dataset", "d", "--seed", "-3"), ("'-3'", "0 or more")),
-        (("dataset", "d", "--legs", "LF"), ("'LF'", "front, hind")),
+        (("dataset", "d", "--maps", "0"), ("--maps: '0'", "1 or more")),
+        (("dataset", "d", "--maps", "1e3"), ("--maps: '1e3'", "1 or more")),
+        (("dataset", "d", "--maps-per-shard", "0"), ("--maps-per-shard: '0'", "1 or more")),
+        (("dataset", "d", "--jobs", "0"), ("--jobs: '0'", "-1")),
+        (("dataset", "d", "--jobs", "-2"), ("--jobs: '-2'", "-1")),
+        (("dataset", "d", "--seed", "-3"), ("--seed: '-3'", "0 or more")),
+        (("dataset", "d", "--legs", "LF"), ("--legs: ", "'LF'", "front, hind")),
+        (("dataset", "d", "--recipe", "cake"), ("'cake'", "paper, footsel")),
+        (("dataset", "d", "--families", "flat", "lava"), ("'lava'", "stairs")),
+        (("dataset", "d", "--exclude", "lava"), ("'lava'", "stairs")),
+        (("dataset", "d", "--families", "flat", "--exclude", "flat"), ("no terrain family is left",)),
         (("dataset", "d", "--engine", "dask"), ("--scheduler",)),
         (("dataset", "d", "--scheduler", "tcp://somewhere:1"), ("--engine dask",)),
         (("train", "no/dataset", "run"), ("no/dataset", "footsel dataset")),
@@ -75,6 +102,16 @@ def test_version(footsel):
         (("evaluate", "no/model", "no/dataset", "--out", "m.json"), ("no/dataset",)),
         (("export", "no/run", "out"), ("no/run", "footsel train")),
         (("bench", "--model", "no/model"), ("no/model",)),
+        (("bench", "--calls", "few"), ("--calls: 'few'", "1 or more")),
+        (("bench", "--out", "no/folder/b.json"), ("--out: no/folder", "make it first")),
+        (("bench", "--robot", "spot"), ("--robot: ", "'spot'", "anymal_b")),
+        (("terrain-cost",), ("ACTION", "footsel terrain-cost --help")),
+        (("terrain-cost", "bake"), ("'bake'", "fit")),
+        (("terrain-cost", "fit"), ("OUT", "footsel terrain-cost fit --help")),
+        (("terrain-cost", "fit", "o", "--colour"), ("--colour", "footsel terrain-cost fit --help")),
+        (("terrain-cost", "fit", "o", "--placements", "0"), ("--placements: '0'", "1 or more")),
+        (("terrain-cost", "fit", "o", "--held-out", "-1"), ("--held-out: '-1'", "1 or more")),
+        (("terrain-cost", "fit", "o", "--jobs", "-3"), ("--jobs: '-3'", "-1")),
     ],
 )
 def test_misuse_is_one_line_and_exit_code_2(footsel, tmp_path, monkeypatch, arguments, words):

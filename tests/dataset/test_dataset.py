@@ -142,6 +142,8 @@ def test_samples_are_split_by_family(finished):
     assert len(training) + len(validation) == len(others)
     with pytest.raises(UnknownNameError, match="lava"):
         opened.split("front", exclude=["lava"])
+    with pytest.raises(UnknownNameError, match="lava"):
+        opened.load("front", families=["lava"])
 
 
 def test_damaged_manifest_and_shard_are_named(dataset: Path):

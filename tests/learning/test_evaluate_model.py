@@ -14,7 +14,7 @@ from footsel.dataset.store import (
     shard_path,
     write_shard,
 )
-from footsel.errors import InputError, ModelError
+from footsel.errors import InputError, ModelError, UnknownNameError
 from footsel.exporting.onnx_file import to_onnx, with_contract
 from footsel.files import write_json
 from footsel.footholds import DISTANCE_WEIGHT, LegLayout
@@ -96,6 +96,8 @@ def test_only_the_families_asked_for(dataset_dir, run):
     figures = evaluate_model(run, dataset_dir, families=["steps"])["networks"]["front"]
     assert list(figures["families"]) == ["steps"] and figures["all"]["maps"] == 9
     with pytest.raises(InputError, match="no maps of these families"):
+        evaluate_model(run, dataset_dir, families=["stairs"])
+    with pytest.raises(UnknownNameError, match=r"'moon'; choose from: .*steps"):
         evaluate_model(run, dataset_dir, families=["moon"])
 
 
