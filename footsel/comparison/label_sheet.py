@@ -29,7 +29,7 @@ except ImportError as error:
 
 #: Pairs of bodies that get a colour of their own; rarer ones share one.
 NAMED_PAIRS = 8
-SHEET_INCHES = (11.2, 7.9)
+SHEET_INCHES = (12.0, 7.9)
 
 
 def label_sheet(
@@ -61,7 +61,7 @@ def label_sheet(
     ]
     figure = panels.new_figure(*SHEET_INCHES)
     figure.set_layout_engine("constrained", w_pad=0.06, h_pad=0.06)
-    grid = figure.subplots(3, 4, width_ratios=(1.0, 1.0, 1.0, 0.72))
+    grid = figure.subplots(3, 4, width_ratios=(1.0, 1.0, 1.0, 0.98))
     for beside in grid[:, 3]:
         beside.set_axis_off()
     draw_key(grid[0, 3], label, contacts)

@@ -64,6 +64,18 @@ def test_the_key_counts_the_cells(walled, label, contacts):
         assert f"{swing} against {other}: {count}" in words
 
 
+def test_the_longest_names_fit_on_the_sheet(walled, label):
+    names = tuple(f"{leg}_ADAPTER_0" for leg in ("LF", "RF"))
+    touching = np.zeros((40, 40, 2), dtype=np.uint8)
+    touching[:] = (1, 2)
+    figure = label_sheet(label, Contacts(("", *names), touching), walled, "LF")
+    figure.draw_without_rendering()
+    keys = [each for axes in figure.axes for each in axes.artists if hasattr(each, "texts")]
+    assert any("LF_ADAPTER_0 against RF_ADAPTER_0: 1600" in text.get_text() for key in keys for text in key.texts)
+    for key in keys:
+        assert key.get_window_extent().x1 <= figure.bbox.x1
+
+
 def test_it_is_written_even_of_nothing(tmp_path):
     nothing = LocalMap(np.full((40, 40), np.nan), 0.02, np.zeros(3), 0.0)
     oracle = Oracle.load()
