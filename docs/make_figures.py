@@ -1,11 +1,20 @@
-"""Make docs/figures/result.png: footholds by the released network, and its costs beside the oracle's under one leg."""
+"""Make the figures of our pages, and the words of the oracle that go with one of them.
 
+docs/figures/result.png: footholds by the released network, and its costs beside the oracle's under one leg.
+docs/figures/label.png and docs/results/label.txt: what `footsel label` draws and says of a leg's local map.
+"""
+
+import contextlib
 import io
+import os
+import shlex
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
+from footsel.cli.main import main as footsel
 from footsel.comparison import palette, panels
 from footsel.footholds import BasePose
 from footsel.footholds.request import prepare
@@ -13,12 +22,41 @@ from footsel.oracle import Oracle
 from footsel.selectors import make_selector
 from footsel.terrain.courses import make_course
 
-OUT = Path(__file__).resolve().parent / "figures" / "result.png"
+DOCS = Path(__file__).resolve().parent
 FAMILY, SEED, LEG = "rubble", 100, "LF"
 X, Y, YAW = 0.3, -0.2, 0.5
 
+#: Makes the map of the second figure, and the command that explains a cell of it.
+COURSE = "from footsel.terrain.courses import make_course; make_course('blocks', 3).save('blocks.npz')"
+LABEL = "footsel label blocks.npz --leg LF --pose 0.3 -0.2 auto 0.05 -0.1 0.5 --cell 22 24 --plot label.png"
+#: Colours of its picture, which are few.
+COLOURS = 256
+
 
 def main() -> None:
+    """Draw both figures."""
+    draw_result(DOCS / "figures" / "result.png")
+    draw_label(DOCS / "figures" / "label.png", DOCS / "results" / "label.txt")
+
+
+def draw_label(figure: Path, words: Path) -> None:
+    """Run the commands as a user does."""
+    said = io.StringIO()
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            exec(COURSE, {})
+            with contextlib.redirect_stdout(said):
+                footsel(shlex.split(LABEL)[1:])
+            picture = Image.open("label.png").convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        finally:
+            os.chdir(before)
+    picture.save(figure, optimize=True)
+    words.write_text(f'$ python -c "{COURSE}"\n$ {LABEL}\n{said.getvalue()}', encoding="utf-8")
+
+
+def draw_result(path: Path) -> None:
     """Draw the selection from above, and below it the cells of one leg."""
     course = make_course(FAMILY, SEED)
     cnn, oracle = make_selector("cnn"), Oracle.load()
@@ -49,8 +87,8 @@ def main() -> None:
     for part in parts:
         whole.paste(part, ((whole.width - part.width) // 2, top))
         top += part.height
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    whole.save(OUT, optimize=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    whole.save(path, optimize=True)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 """Fill the tables of our pages from the files that commands wrote; `--check` only says whether they are up to date.
 
-docs/results/courses.json and maps.json are `compare.json` of the commands that README names, docs/results/bench.json is
-`footsel bench --out`, docs/results/verify.json is written by `make verify`, and export/anymal_b/metrics.json by
-`footsel export`; footsel/oracle/terrain_cost.json by `footsel terrain-cost fit`.
+COMMANDS says what writes the files of docs/results; courses.json and maps.json are `compare.json` of the commands that
+README names. export/anymal_b/metrics.json is written by `footsel export`, footsel/oracle/terrain_cost.json by `footsel
+terrain-cost fit`. Where a file is missing, the page says what would make it.
 """
 
 import json
 import re
 import sys
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,18 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
+
+#: What writes a file of docs/results.
+COMMANDS = {
+    "bench.json": "make bench",
+    "courses.json": "footsel compare",
+    "dataset.json": "python docs/measure_dataset.py",
+    "label.txt": "python docs/make_figures.py",
+    "maps.json": "footsel compare",
+    "verify.json": "make verify",
+    "verify_meshes.json": "make verify-meshes",
+    "verify_pybullet.json": "make verify-pybullet",
+}
 
 
 def main() -> int:
@@ -41,7 +54,12 @@ def fill(page: str, text: str, tables: dict[str, Callable[[], str]]) -> str:
         place = re.search(rf"(?<=<!-- (table|value): {name} -->).*?(?=<!-- end -->)", text, re.DOTALL)
         if place is None:
             raise SystemExit(f"{page} has no place for {name}")
-        text = text[: place.start()] + make() + text[place.end() :]
+        try:
+            made = make()
+        except FileNotFoundError as missing:
+            made = f"*not measured yet: `{COMMANDS[Path(missing.filename).name]}`*"
+            made = made if place[1] == "value" else f"\n{made}\n"
+        text = text[: place.start()] + made + text[place.end() :]
     return text
 
 
@@ -61,6 +79,11 @@ def number(value: float | None, digits: int = 1) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
+def words(name: str) -> str:
+    """A name of the code as a reader says it."""
+    return name.lower().replace("_", " ")
+
+
 def read(path: Path) -> Any:
     """A JSON file."""
     return json.loads(path.read_text(encoding="utf-8"))
@@ -75,9 +98,8 @@ def models() -> str:
         return [label, *(form(metrics[pair][group][key]) for pair in pairs)]
 
     def recall(reason: str) -> list[str]:
-        words = reason.lower().replace("_", " ")
         shares = (metrics[pair]["cells"]["recall_by_reason"][reason] for pair in pairs)
-        return [f"cells of {words} called infeasible", *map(percent, shares)]
+        return [f"cells of {words(reason)} called infeasible", *map(percent, shares)]
 
     return table(
         ["validation", *pairs],
@@ -133,17 +155,134 @@ def speed() -> str:
             [f"network `{variant}`, elevation map to foothold, one leg", number(times["select_one_leg_ms"]["p50"], 2)],
             [f"network `{variant}`, the same, four legs", number(times["select_four_legs_ms"]["p50"], 2)],
         ]
-    return table([f"median on one core of {bench['cpu']}", "ms"], rows)
+    faster = (
+        f"\nMap by map, the oracle is {bench['oracle_times_as_fast']:,} times as fast as the loop over its cells.\n"
+    )
+    return table([f"median on one core of {bench['cpu']}", "ms"], rows) + faster
+
+
+def speed_by_terrain() -> str:
+    """The oracle's time on each family."""
+    bench = read(RESULTS / "bench.json")
+    groups = {"all": bench["oracle_ms_per_map"], **bench["oracle_ms_by_terrain"]}
+    # Not families, but the same maps by the base's tilt.
+    groups["base level"], groups["base tilted"] = groups.pop("level"), groups.pop("tilted")
+    return table(
+        [f"one 40x40 map, one core of {bench['cpu']}", "median [ms]", "99 % [ms]"],
+        [[name, number(times["p50"], 2), number(times["p99"], 2)] for name, times in groups.items()],
+    )
+
+
+def speed_by_stage() -> str:
+    """The oracle's constraints, all cells at once and one by one."""
+    stages = read(RESULTS / "bench.json")["oracle_us_per_cell"]
+    return table(
+        ["microseconds a cell", "oracle", "reference", "times as fast"],
+        [
+            [words(stage), number(times["fast"], 2), f"{times['naive']:,.0f}", f"{times['naive'] / times['fast']:,.0f}"]
+            for stage, times in stages.items()
+        ],
+    )
 
 
 def verify() -> str:
     """What `make verify` compared."""
     result = read(RESULTS / "verify.json")
+    known = result["cells"] - result["cells_by_reason"]["UNKNOWN"]
     return (
-        f"On {result['cells']:,} cells of every course family and ten maps made by others, four legs, tilts of up to "
+        f"On {known:,} known cells of every course family and ten maps made by others, four legs, tilts of up to "
         f"15 degrees: {result['differing_reasons']} differing reasons, terrain costs within "
-        f"{result['terrain_cost_error']:.0e}, and {result['margins']} margins within "
+        f"{result['terrain_cost_error']:.0e}, and {result['margins']:,} margins within "
         f"{1000 * result['margin_error']:.1f} mm."
+    )
+
+
+def verified_reasons() -> str:
+    """How many cells of each reason were compared."""
+    counts = read(RESULTS / "verify.json")["cells_by_reason"]
+    return table(["the first constraint that fails", "cells"], [[words(name), f"{n:,}"] for name, n in counts.items()])
+
+
+def pybullet() -> str:
+    """How PyBullet's contacts agree with ours."""
+    result = read(RESULTS / "verify_pybullet.json")
+    return (
+        f"Of {result['cells']:,} cells in kinematic range {result['disagreements']:,} are judged differently, all "
+        f"within {1000 * result['largest_distance']:.1f} mm of touching."
+    )
+
+
+def meshes() -> str:
+    """How the full meshes differ from the primitives."""
+    result = read(RESULTS / "verify_meshes.json")
+    median, most = (1000 * result["distances"][key] for key in ("median", "max"))
+    return (
+        f"Of {result['cells']:,} cells in kinematic range {result['disagreements']:,} "
+        f"({percent(result['disagreements'] / result['cells'])}) are judged differently, half of them within "
+        f"{median:.1f} mm of touching, the worst {most:.1f} mm."
+    )
+
+
+def contacts(file: str, other: str) -> str:
+    """Both kinds of collision, who sees them."""
+    result = read(RESULTS / file)
+    columns = {
+        "both": "both see it",
+        "oracle_only": "the oracle alone",
+        "other_only": f"{other} alone",
+        "neither": "none",
+    }
+    return table(
+        ["collision", *columns.values()],
+        [
+            [words(f"{kind}_collision"), *(f"{result[kind][column]:,}" for column in columns)]
+            for kind in ("self", "terrain")
+        ],
+    )
+
+
+def mesh_bodies() -> str:
+    """Where meshes and primitives differ most, the four legs together."""
+    cells: Counter[tuple[str, str]] = Counter()
+    for row in read(RESULTS / "verify_meshes.json")["by_bodies"]:
+        seen_by = "primitives alone" if row["seen_by"] == "oracle" else "meshes alone"
+        cells[re.sub(r"\b[LR][FH]_", "", row["bodies"]), seen_by] += row["cells"]
+    return table(
+        ["bodies", "seen by", "cells"],
+        [[bodies, seen_by, str(count)] for (bodies, seen_by), count in cells.most_common(8)],
+    )
+
+
+def explanation() -> str:
+    """What `footsel label` says."""
+    return "\n```\n" + (RESULTS / "label.txt").read_text(encoding="utf-8") + "```\n"
+
+
+def dataset() -> str:
+    """How long a dataset took."""
+    result = read(RESULTS / "dataset.json")
+    return (
+        f"`{result['command']}`: {result['samples']:,} maps in {result['seconds']:.0f} s on {result['cores']} cores of "
+        f"{result['cpu']}, {result['peak_memory_mb']:,} MB of memory at most, {result['disk_mb']:,} MB on disk."
+    )
+
+
+def dataset_families() -> str:
+    """What decides the cells of each family."""
+    result = read(RESULTS / "dataset.json")
+    reasons = list(result["reason_shares"])
+    groups = {"all": result, **result["families"]}
+    return table(
+        ["terrain", "maps", "unknown", *(f"{words(reason)}, of known" for reason in reasons)],
+        [
+            [
+                name,
+                f"{group['samples']:,}",
+                percent(group["unknown_share"]),
+                *(percent(group["reason_shares"][reason]) for reason in reasons),
+            ]
+            for name, group in groups.items()
+        ],
     )
 
 
@@ -204,6 +343,22 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "maps": lambda: comparison("maps.json"),
         "speed": speed,
         "verify": verify,
+        "pybullet": pybullet,
+        "meshes": meshes,
+        "dataset": dataset,
+    },
+    "docs/dataset.md": {"dataset": dataset, "families": dataset_families},
+    "docs/oracle.md": {
+        "explanation": explanation,
+        "verify": verify,
+        "reasons": verified_reasons,
+        "pybullet": pybullet,
+        "pybullet contacts": lambda: contacts("verify_pybullet.json", "PyBullet"),
+        "meshes": meshes,
+        "mesh contacts": lambda: contacts("verify_meshes.json", "meshes"),
+        "mesh bodies": mesh_bodies,
+        "terrain": speed_by_terrain,
+        "stages": speed_by_stage,
     },
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGES = ["README.md", "ARCHITECTURE.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
 
 
 def test_tables_are_up_to_date() -> None:
@@ -17,16 +18,17 @@ def test_tables_are_up_to_date() -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md", "docs/paper.md", "docs/terrain_cost.md"])
+@pytest.mark.parametrize("page", PAGES)
 def test_links_and_files_exist(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
+    beside = (ROOT / page).parent
     linked = [target for target in re.findall(r"\]\(([^)#]+)\)", text) if not target.startswith("http")]
-    named = [
-        f"footsel/{name}"
-        for name in re.findall(r"`((?:robot|oracle|terrain|learning|dataset|footholds)/\S+?\.\w+)`", text)
-    ]
-    for target in (*linked, *named):
-        assert (ROOT / target).exists(), f"{page} names {target}"
+    rooms = "robot|oracle|terrain|learning|dataset|footholds|walking"
+    named = [f"footsel/{name}" for name in re.findall(rf"`((?:{rooms})/\S+?(?:\.\w+|/))`", text)]
+    for path in (*(beside / target for target in linked), *(ROOT / name for name in named)):
+        assert path.exists(), f"{page} names {path}"
+    for target in re.findall(r"`make ([a-z-]+)`", text):
+        assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE), target
 
 
 def test_the_two_commands_come_first() -> None:

@@ -1,0 +1,88 @@
+"""What fills our pages: tables from files, words and figures from commands."""
+
+import json
+import sys
+
+import pytest
+
+from footsel.legs import LEGS
+
+
+@pytest.fixture
+def tables(script, tmp_path, monkeypatch):
+    """docs/update_tables.py with results of our own, in tmp_path."""
+    module = script("update_tables")
+    monkeypatch.setattr(module, "RESULTS", tmp_path)
+    return module
+
+
+def test_a_missing_file_is_said_in_its_place(tables):
+    page = "<!-- value: v --><!-- end -->, <!-- table: t --><!-- end -->\n"
+    filled = tables.fill("page", page, {"v": tables.pybullet, "t": tables.dataset_families})
+    assert "<!-- value: v -->*not measured yet: `make verify-pybullet`*<!-- end -->" in filled
+    assert "<!-- table: t -->\n*not measured yet: `python docs/measure_dataset.py`*\n<!-- end -->" in filled
+
+
+def test_every_file_of_every_page_has_a_command(tables):
+    """Nothing is there, and each place says what would make it."""
+    for page, made in tables.PAGES.items():
+        text = (tables.ROOT / page).read_text(encoding="utf-8")
+        assert "not measured yet" in tables.fill(page, text, made) or page == "docs/terrain_cost.md"
+
+
+def test_a_page_without_a_place_is_refused(tables):
+    with pytest.raises(SystemExit, match="page has no place for v"):
+        tables.fill("page", "nothing", {"v": tables.pybullet})
+
+
+def test_bodies_of_four_legs_count_together(tables, tmp_path):
+    rows = [
+        {"kind": "self", "seen_by": "oracle", "bodies": f"{leg}_THIGH_0 against base_0", "cells": 2} for leg in LEGS
+    ]
+    rows.append({"kind": "self", "seen_by": "other", "bodies": "LF_FOOT mesh against RF_FOOT mesh", "cells": 3})
+    (tmp_path / "verify_meshes.json").write_text(json.dumps({"by_bodies": rows}))
+    assert tables.mesh_bodies().strip().splitlines()[2:] == [
+        "| THIGH_0 against base_0 | primitives alone | 8 |",
+        "| FOOT mesh against FOOT mesh | meshes alone | 3 |",
+    ]
+
+
+def test_contacts_are_put_into_words(tables, tmp_path):
+    seen = {"neither": 80, "oracle_only": 1, "other_only": 2, "both": 1234}
+    result = {"cells": 1317, "disagreements": 3, "largest_distance": 0.00196, "self": seen, "terrain": seen}
+    (tmp_path / "verify_pybullet.json").write_text(json.dumps(result))
+    assert tables.pybullet() == (
+        "Of 1,317 cells in kinematic range 3 are judged differently, all within 2.0 mm of touching."
+    )
+    assert "| self collision | 1,234 | 1 | 2 | 80 |" in tables.contacts("verify_pybullet.json", "PyBullet")
+
+
+def test_a_dataset_is_measured(script, tables, tmp_path, monkeypatch):
+    measure = script("measure_dataset")
+    monkeypatch.setattr(measure, "RESULT", tmp_path / "dataset.json")
+    options = ["--maps", "4", "--legs", "front", "--families", "flat", "steps", "--jobs", "1"]
+    monkeypatch.setattr(sys, "argv", ["measure_dataset.py", str(tmp_path / "data"), *options])
+    assert measure.main() == 0
+    result = json.loads((tmp_path / "dataset.json").read_text())
+    manifest = json.loads((tmp_path / "data" / "manifest.json").read_text())
+    assert result["families"] == manifest["families"] and result["config"]["maps"] == 4
+    assert result["command"] == f"footsel dataset OUT {' '.join(options)}"
+    assert result["seconds"] > 0.1 and 50 < result["peak_memory_mb"] < 5000
+    assert tables.dataset().startswith(f"`{result['command']}`: 4 maps in ")
+    rows = tables.dataset_families().strip().splitlines()[2:]
+    assert [row.split("|")[1].strip() for row in rows] == ["all", *manifest["families"]]
+    # A folder that is there already would tell another time.
+    assert measure.main() == 2
+
+
+def test_what_the_oracle_says_is_up_to_date(script, tmp_path):
+    """If this fails, run python docs/make_figures.py and python docs/update_tables.py."""
+    figures = script("make_figures")
+    figures.draw_label(tmp_path / "label.png", tmp_path / "label.txt")
+    written = (figures.DOCS / "results" / "label.txt").read_text(encoding="utf-8")
+    assert (tmp_path / "label.txt").read_text(encoding="utf-8") == written
+
+
+def test_figures_are_small(script):
+    for path in (script("make_figures").DOCS / "figures").iterdir():
+        assert path.stat().st_size < 150_000, path
