@@ -11,28 +11,16 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import footsel
 from footsel.files import replace_file
+from footsel.fingerprint import LABEL_SOURCES, sources_fingerprint
 
-#: What the comparison runs: rooms and files of the package.
-CODE = ("oracle", "robot", "footholds", "terrain", "legs.py")
 LIBRARIES = ("coal", "pin", "numpy", "numba")
 
 
 def code_fingerprint() -> str:
     """Changes with the code of the rooms that are compared and the versions of the libraries under them."""
-    root = Path(footsel.__file__).parent
-    digest = hashlib.sha256()
-    for name in CODE:
-        part = root / name
-        files = (
-            [part] if part.is_file() else [file for file in part.rglob("*") if file.suffix in {".py", ".toml", ".json"}]
-        )
-        for file in sorted(files):
-            digest.update(str(file.relative_to(root)).encode())
-            digest.update(file.read_bytes())
-    digest.update(repr([version(library) for library in LIBRARIES]).encode())
-    return digest.hexdigest()[:16]
+    versions = " ".join(version(library) for library in LIBRARIES)
+    return hashlib.sha256(f"{sources_fingerprint(*LABEL_SOURCES)} {versions}".encode()).hexdigest()[:16]
 
 
 class Parts:
