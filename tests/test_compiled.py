@@ -40,7 +40,7 @@ def small_package(tmp_path):
     folder = tmp_path / "footsel"
     folder.mkdir()
     (folder / "__init__.py").touch()
-    for name in ("compiled.py", "files.py"):
+    for name in ("compiled.py", "files.py", "errors.py"):
         (folder / name).write_bytes((PACKAGE / name).read_bytes())
 
     def run(added, limit=9.0, decorator=OURS, cache=tmp_path / "cache", **environment):
