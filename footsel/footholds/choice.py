@@ -24,11 +24,13 @@ class CellScores:
     cost: (n, n) Z_c in [0, 255]; only meaningful where feasible.
     feasible: (n, n) which cells may be chosen; unknown cells are never chosen, whatever stands here.
     why_none: the answer's reason if no known cell is feasible.
+    confidence: (n, n) probability that the cell is feasible, of those selectors that estimate one.
     """
 
     cost: NDArray[np.floating]
     feasible: NDArray[np.bool_]
     why_none: str = "no known cell is feasible"
+    confidence: NDArray[np.floating] | None = None
 
 
 def final_costs(
@@ -91,7 +93,7 @@ def choose(
             reason = "no cell of the local map is known"
         elif len(ranked):
             reason = f"none of {len(ranked)} candidates passed the verification"
-        return Foothold("none", reason, None, None, None, None, None, nominal, None)
+        return Foothold("none", reason, None, None, None, None, None, nominal, None, None)
     i, j = (int(index) for index in accepted[0])
     cost = float(scores.cost[i, j])
     return Foothold(
@@ -105,5 +107,6 @@ def choose(
         final_cost=float(total[i, j]),
         nominal=nominal,
         distance_to_nominal=float(distances[i, j]),
+        confidence=None if scores.confidence is None else float(scores.confidence[i, j]),
         alternatives=tuple(Alternative(position(cell), float(total[cell[0], cell[1]])) for cell in accepted[1:]),
     )

@@ -22,6 +22,7 @@ class Foothold:
     cell: (i, j) in the leg's local map.
     cost: Z_c in [0, 255]. class_: its class, 0..12. final_cost: Z_c + k d_n.
     nominal: N_i in the world frame, in [m]. distance_to_nominal: d_n, in [m].
+    confidence: probability that the cell is feasible, as a network sees it; None from selectors that estimate none.
     alternatives: the next best cells.
     """
 
@@ -34,6 +35,7 @@ class Foothold:
     final_cost: float | None
     nominal: tuple[float, float, float]
     distance_to_nominal: float | None
+    confidence: float | None = None
     alternatives: tuple[Alternative, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
@@ -48,5 +50,6 @@ class Foothold:
             "final_cost": self.final_cost,
             "nominal": list(self.nominal),
             "distance_to_nominal": self.distance_to_nominal,
+            "confidence": self.confidence,
             "alternatives": [{"position": list(a.position), "final_cost": a.final_cost} for a in self.alternatives],
         }

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from footsel.dataset.samples import UNKNOWN_HEIGHT, Samples
 from footsel.footholds.cost import COST_BINS, INFEASIBLE_CLASS, INFEASIBLE_COST, expected_cost
 from footsel.learning.loss import LABEL_CLASS
-from footsel.runtime.evaluation import CellEvaluation
+from footsel.runtime.evaluation import CellEvaluation, confidence
 
 #: Samples to (n, 14, 40, 40) class probabilities: a checkpoint, an ONNX model or anything else.
 Predict = Callable[[Samples], NDArray[np.float32]]
@@ -54,6 +54,7 @@ class Predictions:
             np.where(feasible, self.class_, np.uint8(INFEASIBLE_CLASS)),
             np.where(feasible, self.cost, np.float32(INFEASIBLE_COST)),
             feasible,
+            confidence(self.infeasible, self.known),
         )
 
     def cross_entropy(self, samples: Samples, weights: NDArray[np.float32]) -> float:

@@ -1,4 +1,4 @@
-"""What a network's probabilities mean: class, cost and feasibility of every cell."""
+"""What a network's probabilities mean: class, cost, feasibility and confidence of every cell."""
 
 from dataclasses import dataclass
 
@@ -10,32 +10,40 @@ from footsel.footholds.cost import COST_BINS, INFEASIBLE_CLASS, INFEASIBLE_COST,
 
 @dataclass(frozen=True, eq=False)
 class CellEvaluation:
-    """A network's judgement of every cell; all three arrays are (40, 40), or (n, 40, 40) for n maps.
+    """A network's judgement of every cell; all arrays are (40, 40), or (n, 40, 40) for n maps.
 
     class_: uint8, the most probable of the thirteen feasible classes, 13 where the cell is not feasible.
     cost: float32 mean cost over all classes (footholds.cost.expected_cost), 255 where the cell is not feasible.
     feasible: whether the cell is known and p(infeasible) is below the contract's `feasible_below`.
+    confidence: float32, 1 - p(infeasible), how probably a foot may stand there; 0 where the height is unknown.
     """
 
     class_: NDArray[np.uint8]
     cost: NDArray[np.float32]
     feasible: NDArray[np.bool_]
+    confidence: NDArray[np.float32]
 
 
 def decode_costs(
     probabilities: NDArray[np.float32], known: NDArray[np.bool_], feasible_below: float
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Cost and feasibility (n, 40, 40), all that a choice needs, as in CellEvaluation.
+) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32]]:
+    """Cost, feasibility and confidence (n, 40, 40), all that a choice needs, as in CellEvaluation.
 
     probabilities: (n, 14, 40, 40). known: (n, 40, 40) which cells have a height; no other cell is ever feasible.
     """
-    feasible = known & (probabilities[:, INFEASIBLE_CLASS] < feasible_below)
+    infeasible = probabilities[:, INFEASIBLE_CLASS]
+    feasible = known & (infeasible < feasible_below)
     cost = np.where(feasible, expected_cost(probabilities), np.float32(INFEASIBLE_COST))
-    return cost, feasible
+    return cost, feasible, confidence(infeasible, known)
+
+
+def confidence(infeasible: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """1 - p(infeasible) of known cells; what nobody has measured is trusted with nothing."""
+    return np.asarray(np.where(known, np.float32(1) - infeasible, np.float32(0)), dtype=np.float32)
 
 
 def decode(probabilities: NDArray[np.float32], known: NDArray[np.bool_], feasible_below: float) -> CellEvaluation:
-    """Class, cost and feasibility; arguments as in `decode_costs`."""
-    cost, feasible = decode_costs(probabilities, known, feasible_below)
+    """All of a CellEvaluation; arguments as in `decode_costs`."""
+    cost, feasible, trust = decode_costs(probabilities, known, feasible_below)
     likeliest = probabilities[:, :COST_BINS].argmax(axis=1).astype(np.uint8)
-    return CellEvaluation(np.where(feasible, likeliest, np.uint8(INFEASIBLE_CLASS)), cost, feasible)
+    return CellEvaluation(np.where(feasible, likeliest, np.uint8(INFEASIBLE_CLASS)), cost, feasible, trust)

@@ -119,7 +119,7 @@ class FootholdSelector:
     def evaluate(
         self, local_heights: ArrayLike, leg: str, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0
     ) -> CellEvaluation:
-        """Class, cost and feasibility per cell, for those with their own mapping.
+        """Class, cost, feasibility and confidence per cell, for those with their own mapping.
 
         local_heights: (40, 40) or (n, 40, 40) terrain height relative to the leg's hip point L_i, i along the base's
             heading and j to its left, cells of `layout.resolution`, NaN = unknown, in [m].
@@ -135,11 +135,11 @@ class FootholdSelector:
         heights = _mirrored(heights, leg)
         probabilities = network.probabilities(heights, _mirrored_roll(rolls, leg), pitches)
         result = decode(probabilities, ~np.isnan(heights), network.contract.feasible_below)
-        planes = (_mirrored(plane, leg) for plane in (result.class_, result.cost, result.feasible))
+        planes = (_mirrored(plane, leg) for plane in (result.class_, result.cost, result.feasible, result.confidence))
         return CellEvaluation(*(plane[0] if single else plane for plane in planes))
 
     def _scores(self, requests: Sequence[LegRequest]) -> dict[str, CellScores]:
-        """Cost and feasibility of every leg's cells; a pair's two legs run as one batch, the right one mirrored."""
+        """What is thought of every leg's cells; a pair's two legs run as one batch, the right one mirrored."""
         scores = {}
         for pair, network in self._networks.items():
             batch = [request for request in requests if pair_of(request.leg) == pair]
@@ -148,10 +148,10 @@ class FootholdSelector:
             heights = np.stack([_mirrored(request.local_map.heights, request.leg) for request in batch])
             roll = np.stack([_mirrored_roll(np.array(request.pose.roll), request.leg) for request in batch])
             probabilities = network.probabilities(heights, roll, batch[0].pose.pitch)
-            costs, feasible = decode_costs(probabilities, ~np.isnan(heights), network.contract.feasible_below)
-            for request, cost, cells in zip(batch, costs, feasible, strict=True):
-                leg = request.leg
-                scores[leg] = CellScores(_mirrored(cost, leg), _mirrored(cells, leg), WHY_NONE)
+            decoded = decode_costs(probabilities, ~np.isnan(heights), network.contract.feasible_below)
+            for request, *planes in zip(batch, *decoded, strict=True):
+                cost, feasible, confidence = (_mirrored(plane, request.leg) for plane in planes)
+                scores[request.leg] = CellScores(cost, feasible, WHY_NONE, confidence)
         return scores
 
 

@@ -28,7 +28,7 @@ class NetworkSelector(Selector):
 
     def score(self, request: LegRequest) -> CellScores:
         cells = self.runtime.evaluate(request.local_map.heights, request.leg, request.pose.roll, request.pose.pitch)
-        return CellScores(cells.cost, cells.feasible)
+        return CellScores(cells.cost, cells.feasible, confidence=cells.confidence)
 
     def select_timed(
         self,

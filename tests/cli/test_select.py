@@ -22,6 +22,7 @@ FOOTHOLD_KEYS = {
     "final_cost",
     "nominal",
     "distance_to_nominal",
+    "confidence",
     "alternatives",
 }
 

@@ -1,5 +1,7 @@
 """The choice of a cell, against a plain search."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,9 +100,16 @@ def test_no_answer_says_why():
         assert values["status"] == "none"
         assert values["nominal"] == list(NOMINAL)
         assert values["alternatives"] == []
-        assert {values[key] for key in ("position", "cell", "cost", "class", "final_cost", "distance_to_nominal")} == {
-            None
-        }
+        numbers = ("position", "cell", "cost", "class", "final_cost", "distance_to_nominal", "confidence")
+        assert {values[key] for key in numbers} == {None}
+
+
+def test_the_confidence_is_that_of_the_chosen_cell():
+    scores, local_map = random_case(4)
+    assert choose(scores, local_map, NOMINAL).confidence is None
+    confidence = np.random.default_rng(9).random(scores.cost.shape)
+    foothold = choose(replace(scores, confidence=confidence), local_map, NOMINAL)
+    assert foothold.confidence == foothold.to_dict()["confidence"] == confidence[foothold.cell]
 
 
 def test_verify_is_asked_in_order_and_no_longer_than_needed():

@@ -19,12 +19,14 @@ def test_decoding_is_the_written_rule():
         assert result.feasible[n, i, j] == feasible
         assert result.class_[n, i, j] == (np.argmax(p[:13]) if feasible else 13)
         assert result.cost[n, i, j] == (expected_cost(probabilities)[n, i, j] if feasible else 255)
+        assert result.confidence[n, i, j] == np.float32(1 - p[13] if known[n, i, j] else 0)
     assert (result.class_.dtype, result.cost.dtype, result.feasible.dtype) == (np.uint8, np.float32, np.bool_)
+    assert result.confidence.dtype == np.float32
 
 
 def test_certain_probabilities_make_no_nan():
     probabilities = np.zeros((1, 14, 2, 2), dtype=np.float32)
     probabilities[:, 13] = 1
-    cost, feasible = decode_costs(probabilities, np.ones((1, 2, 2), dtype=bool), 1.0)
+    cost, feasible, confidence = decode_costs(probabilities, np.ones((1, 2, 2), dtype=bool), 1.0)
     assert not feasible.any()
-    assert (cost == 255).all()
+    assert (cost == 255).all() and (confidence == 0).all()

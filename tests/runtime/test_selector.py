@@ -47,6 +47,8 @@ def test_the_pick_is_what_the_cells_say(selector):
         assert foothold.cell == (i, j)
         assert foothold.final_cost == pytest.approx(total[i, j], abs=1e-3)
         np.testing.assert_allclose(foothold.position, local.positions()[i, j])
+        assert foothold.confidence == pytest.approx(cells.confidence[i, j], abs=1e-6)
+        assert 0 < foothold.confidence < 1
 
 
 def test_flat_ground_with_equal_costs_gives_the_cell_nearest_to_the_nominal_foothold(constant_folder):
@@ -86,7 +88,7 @@ def test_evaluate_is_mirrored_too(selector):
             selector.evaluate(heights[..., ::-1], right, -roll, 0.02),
         )
         assert 0 < one.feasible.sum() < one.feasible.size
-        for name in ("class_", "cost", "feasible"):
+        for name in ("class_", "cost", "feasible", "confidence"):
             np.testing.assert_allclose(getattr(one, name), getattr(other, name)[..., ::-1], atol=1e-3)
 
 
