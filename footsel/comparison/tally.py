@@ -22,7 +22,6 @@ class Tally:
 
     def __init__(self, selectors: Sequence[str], judges_cells: bool) -> None:
         self._picks = {name: PickMetrics() for name in selectors}
-        self._pick_reasons = {name: np.zeros(len(REASON_NAMES), dtype=np.int64) for name in selectors}
         self._reasons = np.zeros(len(REASON_NAMES), dtype=np.int64)
         self._asked = self._answerable = 0
         self._cells = CellMetrics() if judges_cells else None
@@ -39,14 +38,11 @@ class Tally:
         label: the oracle's. final_cost: (n, n) by the oracle's cost, inf where infeasible.
         cells: selector -> the cell it chose. judged: the network's cells.
         """
-        known = label.reason != Reason.UNKNOWN
         self._asked += 1
         self._answerable += int(label.feasible.any())
         self._reasons += np.bincount(label.reason.ravel(), minlength=len(REASON_NAMES))
         for name, cell in cells.items():
-            self._picks[name].update([NO_CELL if cell is None else cell], final_cost[None], known[None])
-            if cell is not None:
-                self._pick_reasons[name][label.reason[cell]] += 1
+            self._picks[name].update([NO_CELL if cell is None else cell], final_cost[None], label.reason[None])
         if self._cells is not None and judged is not None:
             self._cells.update(judged.class_, judged.cost, judged.feasible, label.cost, label.reason)
 
@@ -54,7 +50,6 @@ class Tally:
         """Add all that another tally of the same selectors has counted."""
         for name, picks in self._picks.items():
             picks.merge(other._picks[name])
-            self._pick_reasons[name] += other._pick_reasons[name]
         self._reasons += other._reasons
         self._asked += other._asked
         self._answerable += other._answerable
@@ -67,16 +62,14 @@ class Tally:
         picks the oracle rejects for it.
         """
         total = max(int(self._reasons.sum()), 1)
+        selectors = {name: picks.result() for name, picks in self._picks.items()}
         return {
-            "selectors": {name: picks.result() for name, picks in self._picks.items()},
+            "selectors": selectors,
             "cells": {} if self._cells is None else {"cnn": self._cells.result()},
             "asked": self._asked,
             "answerable": self._answerable,
             "reason_shares": {reason.name: int(self._reasons[reason]) / total for reason in Reason},
-            "infeasible_pick_reasons": {
-                name: {reason.name: int(counts[reason]) for reason in Reason if reason != Reason.FEASIBLE}
-                for name, counts in self._pick_reasons.items()
-            },
+            "infeasible_pick_reasons": {name: figures["infeasible_by_reason"] for name, figures in selectors.items()},
         }
 
 

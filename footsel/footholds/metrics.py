@@ -68,7 +68,7 @@ class CellMetrics:
         miou: intersection over union, mean over 14 classes, 0 for a class that is absent from both labels and
             predictions. miou_present: without those classes.
         false_safe_rate: share of oracle-infeasible cells called feasible. false_unsafe_rate: the reverse.
-        recall_by_reason: reason -> share of its cells called as they are, feasible or not.
+        recall_by_reason: reason -> share of its cells called as they are, feasible or not. cells_by_reason: how many.
         """
         total = int(self._confusion.sum())
         hits = np.diag(self._confusion)
@@ -94,6 +94,7 @@ class CellMetrics:
                 for reason in Reason
                 if reason != Reason.UNKNOWN
             },
+            "cells_by_reason": {reason.name: int(by_reason[reason]) for reason in Reason if reason != Reason.UNKNOWN},
         }
 
 
@@ -102,22 +103,22 @@ class PickMetrics:
 
     def __init__(self) -> None:
         self._asked = 0
-        self._picks = 0
+        self._answerable = 0
         self._missed = 0
-        self._infeasible = 0
-        self._unknown = 0
+        #: Picks by the oracle's reason for their cell.
+        self._picks = np.zeros(len(REASON_NAMES), dtype=np.int64)
         self._regrets: list[NDArray[np.float64]] = []
 
-    def update(self, cells: ArrayLike, oracle_final_cost: ArrayLike, known: ArrayLike) -> None:
+    def update(self, cells: ArrayLike, oracle_final_cost: ArrayLike, oracle_reason: ArrayLike) -> None:
         """Add one pick for each of n local maps.
 
         cells: (n, 2) the chosen cell (i, j), negative for "none".
         oracle_final_cost: (n, 40, 40) Z_c + k d_n by the oracle's cost, inf where the oracle finds no foothold.
-        known: (n, 40, 40) which cells have a height.
+        oracle_reason: (n, 40, 40) footsel.footholds.Reason.
         """
         cells = np.asarray(cells, dtype=np.intp).reshape(-1, 2)
         final = np.asarray(oracle_final_cost, dtype=np.float64)
-        known = np.asarray(known, dtype=bool)
+        reason = np.asarray(oracle_reason)
         best = final.reshape(len(cells), -1).min(axis=1)
         picked = (cells >= 0).all(axis=1)
         maps = np.flatnonzero(picked)
@@ -125,37 +126,40 @@ class PickMetrics:
         pick_cost = final[maps, i, j]
         good = np.isfinite(pick_cost)
         self._asked += len(cells)
-        self._picks += int(picked.sum())
+        self._answerable += int(np.isfinite(best).sum())
         self._missed += int((~picked & np.isfinite(best)).sum())
-        self._infeasible += int((~good).sum())
-        self._unknown += int((~known[maps, i, j]).sum())
+        self._picks += np.bincount(reason[maps, i, j], minlength=len(REASON_NAMES))
         self._regrets.append(pick_cost[good] - best[maps][good])
 
     def merge(self, other: "PickMetrics") -> None:
         """Add all picks of another accumulation."""
         self._asked += other._asked
-        self._picks += other._picks
+        self._answerable += other._answerable
         self._missed += other._missed
-        self._infeasible += other._infeasible
-        self._unknown += other._unknown
+        self._picks += other._picks
         self._regrets.extend(other._regrets)
 
     def result(self) -> dict[str, Any]:
         """The figures; None where there was nothing to average over.
 
-        picks, none: maps with and without an answer. missed: none although the oracle has a feasible cell.
-        infeasible_picks: picks that the oracle rejects; unknown_picks, those of them on cells without a height.
-        infeasible_rate: infeasible_picks / picks. regret_mean, regret_p95: the oracle's final cost of the pick minus
-        that of its best cell, over the picks that the oracle accepts.
+        picks, none: maps with and without an answer. missed: none although the oracle has a feasible cell; missed_rate:
+        their share of the maps where it has one. infeasible_picks: picks that the oracle rejects, infeasible_by_reason
+        for what; unknown_picks, those of them on cells without a height. infeasible_rate: infeasible_picks / picks.
+        regret_mean, regret_p95: the oracle's final cost of the pick minus that of its best cell, over the picks that
+        the oracle accepts.
         """
         regrets = np.concatenate(self._regrets) if self._regrets else np.empty(0)
+        picks = int(self._picks.sum())
+        infeasible = picks - int(self._picks[Reason.FEASIBLE])
         return {
-            "picks": self._picks,
-            "none": self._asked - self._picks,
+            "picks": picks,
+            "none": self._asked - picks,
             "missed": self._missed,
-            "infeasible_picks": self._infeasible,
-            "unknown_picks": self._unknown,
-            "infeasible_rate": _share(self._infeasible, self._picks),
+            "missed_rate": _share(self._missed, self._answerable),
+            "infeasible_picks": infeasible,
+            "infeasible_by_reason": {r.name: int(self._picks[r]) for r in Reason if r != Reason.FEASIBLE},
+            "unknown_picks": int(self._picks[Reason.UNKNOWN]),
+            "infeasible_rate": _share(infeasible, picks),
             "regret_mean": float(regrets.mean()) if regrets.size else None,
             "regret_p95": float(np.percentile(regrets, 95)) if regrets.size else None,
         }

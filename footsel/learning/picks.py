@@ -1,5 +1,7 @@
 """Choosing a cell on many local maps at once: the same rule as footsel.footholds.choose, which serves one."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,3 +45,27 @@ def pick_cells(final_cost: NDArray[np.float64], distances: NDArray[np.float64]) 
     cells = np.stack(np.unravel_index(cell, final_cost.shape[1:]), axis=-1)
     cells[~np.isfinite(least[:, 0])] = -1
     return cells
+
+
+def picks_below(
+    final_cost: NDArray[np.float64],
+    distances: NDArray[np.float64],
+    infeasible: NDArray[np.float32],
+    thresholds: Sequence[float],
+) -> NDArray[np.intp]:
+    """(len(thresholds), n, 2) what `pick_cells` picks of the cells whose p(infeasible) is below each threshold.
+
+    With the cells in the order of their cost that is the first one below it, so one sorting serves all thresholds.
+    """
+    n, cells = len(final_cost), final_cost[0].size
+    flat = final_cost.reshape(n, cells)
+    order = np.lexsort((distances.reshape(n, cells), flat), axis=-1)
+    doubt = np.where(np.isfinite(flat), infeasible.reshape(n, cells), np.float32(np.inf))
+    least_so_far = np.minimum.accumulate(np.take_along_axis(doubt, order, axis=1), axis=1)
+    picks = np.full((len(thresholds), n, 2), -1, dtype=np.intp)
+    for index, threshold in enumerate(thresholds):
+        first = np.count_nonzero(least_so_far >= np.float32(threshold), axis=1)
+        found = np.flatnonzero(first < cells)
+        cell = order[found, first[found]]
+        picks[index, found] = np.stack(np.unravel_index(cell, final_cost.shape[1:]), axis=-1)
+    return picks

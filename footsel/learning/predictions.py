@@ -22,13 +22,14 @@ CHUNK = 256
 class Predictions:
     """A network's output for n maps, reduced to what is judged; all arrays are (n, 40, 40).
 
-    class_: uint8 the most probable of the thirteen feasible classes. likeliest: uint8 of all fourteen.
-    cost: float32 mean class centre if the cell is feasible. infeasible: float32 probability of the class "infeasible".
+    class_: uint8 the most probable of the thirteen feasible classes. likeliest: uint8 of all fourteen; likelihood:
+    float32 its probability. cost: float32 mean cost over all classes. infeasible: float32 p(infeasible).
     label_probability: float32 probability given to the label's class. known: which cells have a height.
     """
 
     class_: NDArray[np.uint8]
     likeliest: NDArray[np.uint8]
+    likelihood: NDArray[np.float32]
     cost: NDArray[np.float32]
     infeasible: NDArray[np.float32]
     label_probability: NDArray[np.float32]
@@ -71,6 +72,7 @@ def predict_chunk(predict: Predict, samples: Samples) -> Predictions:
     return Predictions(
         class_=probabilities[:, :COST_BINS].argmax(axis=1).astype(np.uint8),
         likeliest=probabilities.argmax(axis=1).astype(np.uint8),
+        likelihood=probabilities.max(axis=1),
         cost=expected_cost(probabilities),
         infeasible=probabilities[:, INFEASIBLE_CLASS].copy(),
         label_probability=np.take_along_axis(probabilities, labels, axis=1)[:, 0],

@@ -8,82 +8,81 @@ import numpy as np
 from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout, Reason
 from footsel.footholds.metrics import PickMetrics
-from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
+from footsel.learning.picks import final_cost_maps, nominal_distances, picks_below
 from footsel.learning.predictions import Predictions
 
-#: From "more likely than not" down to "hardly thinkable", a fifth to a half lower each time.
-THRESHOLDS = (
-    0.5,
-    0.4,
-    0.3,
-    0.25,
-    0.2,
-    0.15,
-    0.1,
-    0.07,
-    0.05,
-    0.03,
-    0.02,
-    0.015,
-    0.01,
-    0.007,
-    0.005,
-    0.003,
-    0.002,
-    0.001,
-)
+#: From "most improbable to be feasible" down to "hardly thinkable that it is not": odds of 9.5 to 1 down to 1 to 850,
+#: each about four fifths of the one before.
+THRESHOLDS: tuple[float, ...] = tuple(np.round(1 / (1 + np.exp(-np.arange(9, -28, -1) / 4)), 5).tolist())
 
-#: What a robot is allowed: one pick in 200 that the oracle rejects, one map in 100 left without an answer for nothing.
-MOST_INFEASIBLE_PICKS = 0.005
+#: The hard limit: maps left without an answer although there is one, one in 100. On the validation maps half of it,
+#: for they are few and other ground is harder.
 MOST_MISSED = 0.01
+MOST_MISSED_IN_VALIDATION = MOST_MISSED / 2
+
+
+class ThresholdCurve:
+    """Accumulates how cells and picks fare at every threshold, if cells below it count as feasible."""
+
+    def __init__(self, layout: LegLayout, leg: str) -> None:
+        self._layout = layout
+        self._leg = leg
+        self._picks = [PickMetrics() for _ in THRESHOLDS]
+        #: Known cells by whether the oracle calls them feasible and by how many thresholds lie above their probability.
+        self._cells = np.zeros((2, len(THRESHOLDS) + 1), dtype=np.int64)
+
+    def update(self, predictions: Predictions, samples: Samples) -> None:
+        """Add the predictions for `samples`."""
+        distances = nominal_distances(self._layout, self._leg, samples.roll, samples.pitch)
+        feasible = samples.reason == Reason.FEASIBLE
+        oracle_final = final_cost_maps(samples.cost, feasible, distances)
+        final = final_cost_maps(predictions.cost, predictions.known, distances)
+        chosen = picks_below(final, distances, predictions.infeasible, THRESHOLDS)
+        for picks, cells in zip(self._picks, chosen, strict=True):
+            picks.update(cells, oracle_final, samples.reason)
+        judged = samples.reason != Reason.UNKNOWN
+        rising = np.array(THRESHOLDS[::-1], dtype=np.float32)
+        above = len(rising) - np.searchsorted(rising, predictions.infeasible[judged], side="right")
+        for row, cells in enumerate((~feasible[judged], feasible[judged])):
+            self._cells[row] += np.bincount(above[cells], minlength=len(THRESHOLDS) + 1)
+
+    def result(self) -> list[dict[str, Any]]:
+        """One entry per threshold, the highest first: feasible_below and the figures of footsel.footholds.metrics."""
+        # A cell with n thresholds above its probability is called feasible at the n highest.
+        called = self._cells.sum(axis=1, keepdims=True) - np.cumsum(self._cells, axis=1)
+        infeasible, feasible = self._cells.sum(axis=1).tolist()
+        return [
+            {
+                "feasible_below": threshold,
+                **picks.result(),
+                "false_safe_rate": int(called[0, index]) / max(infeasible, 1),
+                "false_unsafe_rate": (feasible - int(called[1, index])) / max(feasible, 1),
+            }
+            for index, (threshold, picks) in enumerate(zip(THRESHOLDS, self._picks, strict=True))
+        ]
 
 
 def threshold_curve(predictions: Predictions, samples: Samples, layout: LegLayout, leg: str) -> list[dict[str, Any]]:
-    """One entry per threshold, the highest first: how cells and picks fare if cells below it count as feasible.
-
-    missed_rate: share of the maps with a foothold by the oracle on which none is found. The other rates are those of
-    footsel.footholds.metrics.
-    """
-    distances = nominal_distances(layout, leg, samples.roll, samples.pitch)
-    feasible = samples.reason == Reason.FEASIBLE
-    rejected = predictions.known & ~feasible
-    oracle_final = final_cost_maps(samples.cost, feasible, distances)
-    maps_with_foothold = int(feasible.any(axis=(1, 2)).sum())
-    curve = []
-    for threshold in THRESHOLDS:
-        called = predictions.feasible(threshold)
-        cells = pick_cells(final_cost_maps(predictions.cost, called, distances), distances)
-        picks = PickMetrics()
-        picks.update(cells, oracle_final, predictions.known)
-        figures = picks.result()
-        curve.append(
-            {
-                "feasible_below": threshold,
-                **figures,
-                "missed_rate": figures["missed"] / max(maps_with_foothold, 1),
-                "false_safe_rate": float(np.sum(called & rejected) / max(np.sum(rejected), 1)),
-                "false_unsafe_rate": float(np.sum(feasible & ~called) / max(np.sum(feasible), 1)),
-            }
-        )
-    return curve
+    """The curve of maps that are all in memory."""
+    curve = ThresholdCurve(layout, leg)
+    curve.update(predictions, samples)
+    return curve.result()
 
 
 def choose_feasible_below(curve: Sequence[Mapping[str, Any]]) -> float:
-    """The highest threshold that keeps both limits, MOST_INFEASIBLE_PICKS and MOST_MISSED.
+    """The threshold with the smallest share of infeasible picks among those that miss few enough footholds.
 
-    If none does, the one that exceeds them least in all, each rate counted in units of its limit: safety bought by
-    never answering is no safety, and neither is the reverse.
+    Never answering is no safety: first of all missed_rate stays within MOST_MISSED_IN_VALIDATION or, where no threshold
+    manages that, is the least of all. Among thresholds with equally few infeasible picks the highest wins, which
+    forbids the fewest cells.
     """
+    least = min(_rate(point, "missed_rate") for point in curve)
+    allowed = max(least, MOST_MISSED_IN_VALIDATION)
+    candidates = [point for point in curve if _rate(point, "missed_rate") <= allowed]
+    best = min(candidates, key=lambda point: (_rate(point, "infeasible_rate"), -float(point["feasible_below"])))
+    return float(best["feasible_below"])
 
-    def excess(point: Mapping[str, Any]) -> float:
-        infeasible, missed = float(point["infeasible_rate"] or 0.0), float(point["missed_rate"])
-        return infeasible / MOST_INFEASIBLE_PICKS + missed / MOST_MISSED
 
-    safe = [
-        point
-        for point in curve
-        if (point["infeasible_rate"] or 0.0) <= MOST_INFEASIBLE_PICKS and point["missed_rate"] <= MOST_MISSED
-    ]
-    if safe:
-        return float(max(safe, key=lambda point: float(point["feasible_below"]))["feasible_below"])
-    return float(min(curve, key=excess)["feasible_below"])
+def _rate(point: Mapping[str, Any], key: str) -> float:
+    """A rate of the curve; without anything to count it is 0."""
+    return float(point[key] or 0.0)

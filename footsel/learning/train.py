@@ -38,7 +38,7 @@ from footsel.learning.loss import class_shares, class_weights
 from footsel.learning.predictions import predict_all
 from footsel.learning.recipe import Recipe
 from footsel.learning.schedule import learning_rate as rate_of
-from footsel.learning.scores import Scores
+from footsel.learning.scores import Judgement
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
 from footsel.learning.warm_start import lineage, start_from_release
 from footsel.legs import TRAINED_LEG
@@ -189,10 +189,13 @@ def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.flo
     leg = TRAINED_LEG[data.pair]
     curve = threshold_curve(predictions, data.validation, data.layout, leg)
     feasible_below = choose_feasible_below(curve)
-    scores = Scores(data.layout, leg, feasible_below)
-    scores.update(predictions, data.validation)
-    judgement = {"feasible_below": feasible_below, "metrics": scores.result(), "thresholds": curve}
-    return judgement, predictions.cross_entropy(data.validation, class_weight)
+    judgement = Judgement(data.layout, leg, feasible_below)
+    judgement.update(predictions, data.validation)
+    found = judgement.result()
+    metrics = {**found.pop("all"), **found}
+    return {"feasible_below": feasible_below, "metrics": metrics}, predictions.cross_entropy(
+        data.validation, class_weight
+    )
 
 
 def _curve_figures(judgement: Mapping[str, Any]) -> dict[str, Any]:

@@ -19,11 +19,11 @@ from footsel.terrain.courses import FAMILIES
 
 PICK_KEYS = {
     "picks", "none", "missed", "infeasible_picks", "unknown_picks", "infeasible_rate", "regret_mean", "regret_p95",
-    "time_ms",
+    "missed_rate", "infeasible_by_reason", "time_ms",
 }  # fmt: skip
 CELL_KEYS = {
     "accuracy", "accuracy_feasible", "cost_mae", "miou", "miou_present", "false_safe_rate", "false_unsafe_rate",
-    "recall_by_reason",
+    "recall_by_reason", "cells_by_reason",
 }  # fmt: skip
 
 

@@ -41,11 +41,17 @@ def test_cells_by_hand():
 
 def test_nothing_seen_gives_none_and_never_a_number():
     result = CellMetrics().result()
-    assert {value for key, value in result.items() if key != "recall_by_reason"} == {None}
-    assert set(result["recall_by_reason"].values()) == {None}
+    by_reason = result.pop("recall_by_reason"), result.pop("cells_by_reason")
+    assert set(result.values()) == {None}
+    assert [set(values.values()) for values in by_reason] == [{None}, {0}]
     picks = PickMetrics().result()
     assert picks["picks"] == picks["none"] == 0
-    assert picks["infeasible_rate"] is None and picks["regret_mean"] is None and picks["regret_p95"] is None
+    assert (
+        picks["infeasible_rate"] is None
+        and picks["missed_rate"] is None
+        and picks["regret_mean"] is None
+        and picks["regret_p95"] is None
+    )
 
 
 def test_cells_equal_a_loop_over_single_cells():
@@ -83,6 +89,7 @@ def test_cells_equal_a_loop_over_single_cells():
     for name, share in result["recall_by_reason"].items():
         cells = [i for i in known if reason[i] == Reason[name]]
         assert share == pytest.approx(np.mean([feasible[i] == (name == "FEASIBLE") for i in cells]))
+        assert result["cells_by_reason"][name] == len(cells)
 
 
 def test_picks_by_hand():
@@ -90,18 +97,21 @@ def test_picks_by_hand():
     final[0] = [[10, 20], [30, np.inf]]
     final[1, 0, 0] = 5
     final[2, 0, 1] = 7
-    known = np.ones((5, 2, 2), dtype=bool)
-    known[3, 1, 1] = False
+    reason = np.where(np.isfinite(final), Reason.FEASIBLE, Reason.KINEMATIC_RANGE)
+    reason[1, 1, 1] = Reason.TERRAIN_COLLISION
+    reason[3, 1, 1] = Reason.UNKNOWN
     metrics = PickMetrics()
     # Regret 10; infeasible; missed; on an unknown cell where the oracle has none; rightly none.
-    metrics.update([[0, 1], [1, 1], [-1, -1]], final[:3], known[:3])
-    metrics.update([[1, 1], [-1, -1]], final[3:], known[3:])
-    metrics.update([[0, 0]], final[:1], known[:1])  # the best cell: regret 0
+    metrics.update([[0, 1], [1, 1], [-1, -1]], final[:3], reason[:3])
+    metrics.update([[1, 1], [-1, -1]], final[3:], reason[3:])
+    metrics.update([[0, 0]], final[:1], reason[:1])  # the best cell: regret 0
     assert metrics.result() == {
         "picks": 4,
         "none": 2,
         "missed": 1,
+        "missed_rate": 0.25,
         "infeasible_picks": 2,
+        "infeasible_by_reason": {"UNKNOWN": 1, "KINEMATIC_RANGE": 0, "SELF_COLLISION": 0, "TERRAIN_COLLISION": 1},
         "unknown_picks": 1,
         "infeasible_rate": 0.5,
         "regret_mean": 5.0,

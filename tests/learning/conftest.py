@@ -70,3 +70,16 @@ def make_samples():
 @pytest.fixture
 def samples():
     return stepped_maps(10, 5)
+
+
+@pytest.fixture(scope="session")
+def flat():
+    """{"cells.accuracy": ...}, of dictionaries and lists within dictionaries and lists."""
+
+    def flatten(figures, name=""):
+        if not isinstance(figures, dict | list):
+            return {name: figures}
+        parts = figures.items() if isinstance(figures, dict) else enumerate(figures)
+        return {key: value for part, inner in parts for key, value in flatten(inner, f"{name}.{part}").items()}
+
+    return flatten

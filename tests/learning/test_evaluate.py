@@ -7,8 +7,9 @@ from footsel.footholds import BasePose, CellScores, Reason, choose
 from footsel.footholds.cost import CLASSES, softmax
 from footsel.learning.evaluate import evaluate
 from footsel.learning.loss import LABEL_CLASS
-from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
+from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells, picks_below
 from footsel.learning.predictions import predict_all
+from footsel.learning.scores import Judgement
 from footsel.learning.threshold import THRESHOLDS, choose_feasible_below, threshold_curve
 from footsel.runtime.evaluation import decode
 from footsel.terrain import LocalMap
@@ -100,19 +101,64 @@ def test_lower_thresholds_call_fewer_cells_feasible(samples, layout):
     assert false_safe == sorted(false_safe, reverse=True) and false_safe[0] > false_safe[-1]
     assert false_unsafe == sorted(false_unsafe)
     # The same figures as the evaluation at that threshold.
-    at = next(point for point in curve if point["feasible_below"] == 0.05)
-    figures = evaluate(random_predict, samples, layout, "LF", 0.05)["all"]
-    assert at["false_safe_rate"] == pytest.approx(figures["cells"]["false_safe_rate"])
-    assert {key: at[key] for key in figures["picks"]} == figures["picks"]
+    for at in (curve[0], curve[12], curve[-1]):
+        figures = evaluate(random_predict, samples, layout, "LF", at["feasible_below"])["all"]
+        assert at["false_safe_rate"] == pytest.approx(figures["cells"]["false_safe_rate"])
+        assert at["false_unsafe_rate"] == pytest.approx(figures["cells"]["false_unsafe_rate"])
+        assert {key: at[key] for key in figures["picks"]} == figures["picks"]
 
 
-def test_the_threshold_keeps_both_limits_where_it_can():
+def test_the_curve_and_the_scores_do_not_depend_on_how_maps_come(samples, layout, flat):
+    predictions = predict_all(random_predict, samples)
+    whole, parts = (Judgement(layout, "LF", 0.05) for _ in range(2))
+    whole.update(predictions, samples)
+    for part in (slice(0, 3), slice(3, 10)):
+        parts.update(predictions.take(part), samples.take(part))
+    assert flat(whole.result()) == pytest.approx(flat(parts.result()))
+
+
+def test_picks_below_a_threshold_are_the_picks_of_the_cells_below_it(samples, layout):
+    rng = np.random.default_rng(8)
+    cost = rng.integers(0, 3, samples.cost.shape) * 10.0  # few values, so that ties happen
+    infeasible = rng.random(samples.cost.shape, dtype=np.float32)
+    known = samples.reason != Reason.UNKNOWN
+    distances = nominal_distances(layout, "LF", samples.roll, samples.pitch)
+    distances = np.round(distances, 1)
+    thresholds = (0.9, float(infeasible[0, 20, 20]), 0.004, 0.0005, 0.0)
+    picks = picks_below(final_cost_maps(cost, known, distances), distances, infeasible, thresholds)
+    for threshold, cells in zip(thresholds, picks, strict=True):
+        below = known & (infeasible < threshold)
+        np.testing.assert_array_equal(cells, pick_cells(final_cost_maps(cost, below, distances), distances))
+    assert (picks[0] >= 0).all() and (picks[-1] == -1).all() and picks[3].min(axis=1).max() > -1
+
+
+def test_the_threshold_has_the_fewest_infeasible_picks_among_those_that_miss_little():
     def point(threshold, infeasible, missed):
         return {"feasible_below": threshold, "infeasible_rate": infeasible, "missed_rate": missed}
 
-    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.005, 0), point(0.1, 0.001, 0.005)]) == 0.2
-    # None keeps both: the one that exceeds them least in all.
-    assert choose_feasible_below([point(0.5, 0.04, 0), point(0.2, 0.02, 0.01), point(0.1, 0.001, 0.3)]) == 0.2
-    assert choose_feasible_below([point(0.5, 0.02, 0.01), point(0.2, 0.018, 0.06)]) == 0.5
-    # Nothing picked at all has no rate.
-    assert choose_feasible_below([point(0.5, None, 0.0), point(0.2, None, 0.0)]) == 0.5
+    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.01, 0.005), point(0.1, 0.0, 0.0051)]) == 0.2
+    # Not merely the lowest one: a cell that is forbidden for nothing costs regret.
+    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.01, 0), point(0.1, 0.01, 0)]) == 0.2
+    # All miss too much: the one that misses least, however safe the others are.
+    assert choose_feasible_below([point(0.5, 0.3, 0.02), point(0.2, 0.1, 0.02), point(0.1, 0.0, 0.03)]) == 0.2
+    # Nothing picked at all, or nothing to pick, has no rate.
+    assert choose_feasible_below([point(0.5, None, None), point(0.2, None, None)]) == 0.5
+
+
+def test_a_picked_cells_confidence_is_judged_by_what_the_oracle_says_of_it(samples, layout):
+    """A network sure of everything, right or wrong, is overconfident by just the share of its infeasible picks."""
+
+    def sure(samples):
+        probabilities = np.full((len(samples), CLASSES, 40, 40), 0.01 / 13, dtype=np.float32)
+        probabilities[:, 0] = 0.99 - 0.01 * 12 / 13
+        probabilities[:, 13] = 0.01
+        return probabilities
+
+    figures = evaluate(sure, samples, layout, "LF", 0.5)["all"]
+    picks, calibration = figures["picks"], figures["calibration"]
+    assert picks["picks"] == 10 and sum(each["count"] for each in calibration["picks"]["bins"]) == 10
+    assert calibration["picks"]["ece"] == pytest.approx(abs(0.99 - (1 - picks["infeasible_rate"])), abs=1e-6)
+    shares = samples.reason[samples.reason != Reason.UNKNOWN] != Reason.FEASIBLE
+    assert calibration["infeasible"]["ece"] == pytest.approx(shares.mean() - 0.01, abs=1e-6)
+    zero = (LABEL_CLASS[samples.cost] == 0)[samples.reason != Reason.UNKNOWN].mean()
+    assert calibration["likeliest"]["ece"] == pytest.approx(abs(0.99 - 0.01 * 12 / 13 - zero), abs=1e-5)
