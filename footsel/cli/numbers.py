@@ -30,6 +30,14 @@ def positive_number(text: str) -> float:
     return number
 
 
+def share(text: str) -> float:
+    """A number from 0 to less than 1; raises InputError for anything else."""
+    number = finite_number(text)
+    if not 0 <= number < 1:
+        raise InputError(f"{text.strip()!r} is no share", "give 0 or more and less than 1, such as 0.2")
+    return number
+
+
 def whole_number(least: int) -> Callable[[str], int]:
     """A parser of whole numbers of `least` or more."""
 

@@ -1,7 +1,7 @@
 """Figures of a checkpoint or an ONNX model on a dataset, by the same code for both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,10 @@ from footsel.dataset import Samples, open_dataset
 from footsel.errors import InputError, MissingExtraError, ModelError
 from footsel.files import write_json
 from footsel.footholds import LegLayout
+from footsel.learning.degraded import Degradation, degraded
 from footsel.learning.files import MODEL_FILE
 from footsel.learning.predictions import CHUNK, Predict, predict_chunk
-from footsel.learning.scores import Scores
+from footsel.learning.scores import Judgement
 from footsel.legs import PAIRS, TRAINED_LEG
 from footsel.runtime.network import Network
 
@@ -35,24 +36,28 @@ class EvaluatedModel:
     predict: Predict
 
 
-def evaluate(predict: Predict, samples: Samples, layout: LegLayout, leg: str, feasible_below: float) -> dict[str, Any]:
-    """{"all": figures, "families": {name: figures}}, figures as in footsel.learning.scores.Scores.result.
+def evaluate(
+    predict: Predict,
+    samples: Samples,
+    layout: LegLayout,
+    leg: str,
+    feasible_below: float,
+    degradation: Degradation | None = None,
+) -> dict[str, Any]:
+    """{"all": figures, "families": {name: figures}, "thresholds": curve}, as of footsel.learning.scores.Judgement.
 
-    samples: maps of `leg`, the trained one. feasible_below: threshold on p(infeasible).
+    samples: maps of `leg`, the trained one. feasible_below: threshold on p(infeasible). degradation: of the input; what
+    is found is judged by the labels of the maps as they are.
     """
-    families = sorted(set(samples.family.tolist()))
-    overall = Scores(layout, leg, feasible_below)
-    by_family = {family: Scores(layout, leg, feasible_below) for family in families}
+    judgement = Judgement(layout, leg, feasible_below)
     with tqdm(total=len(samples), unit="map", desc="evaluating", disable=None) as bar:
         for start in range(0, len(samples), CHUNK):
             chunk = samples.take(slice(start, start + CHUNK))
-            predictions = predict_chunk(predict, chunk)
-            overall.update(predictions, chunk)
-            for family in np.unique(chunk.family).tolist():
-                of_family = chunk.family == family
-                by_family[family].update(predictions.take(of_family), chunk.take(of_family))
+            if degradation is not None:
+                chunk = degraded(chunk, degradation, layout.resolution, first=start)
+            judgement.update(predict_chunk(predict, chunk), chunk)
             bar.update(len(chunk))
-    return {"all": overall.result(), "families": {family: by_family[family].result() for family in families}}
+    return judgement.result()
 
 
 def evaluate_model(
@@ -61,10 +66,11 @@ def evaluate_model(
     out: Path | None = None,
     families: Sequence[str] | None = None,
     exclude: Sequence[str] | None = None,
+    degradation: Degradation | None = None,
 ) -> dict[str, Any]:
     """Judge every network of `model` (a run, one pair of a run, an ONNX file or a model folder) on a whole dataset.
 
-    out: JSON file for the figures, written all at once.
+    out: JSON file for the figures, written all at once. degradation: of the input, as in `evaluate`.
     Raises ModelError for a model, InputError for a dataset that cannot be used or is of another robot.
     """
     dataset = open_dataset(dataset_dir)
@@ -84,11 +90,16 @@ def evaluate_model(
         figures[found.name] = {
             "pair": found.pair,
             "feasible_below": found.feasible_below,
-            **evaluate(found.predict, samples, found.layout, leg, found.feasible_below),
+            **evaluate(found.predict, samples, found.layout, leg, found.feasible_below, degradation),
         }
     if not figures:
         raise InputError(f"{dataset_dir} has no maps for the legs of {model}", f"it has {', '.join(dataset.pairs)}")
-    result = {"model": str(model), "dataset_sha256": dataset.sha256, "networks": figures}
+    result = {
+        "model": str(model),
+        "dataset_sha256": dataset.sha256,
+        "degradation": None if degradation is None else asdict(degradation),
+        "networks": figures,
+    }
     if out is not None:
         write_json(out, result)
     return result
