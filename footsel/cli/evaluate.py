@@ -31,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help="share of each map's cells that the network is not shown, 0 to 1; labels stay those of the true map",
     )
+    parser.add_argument(
+        "--plot", type=output_file, metavar="P.png", help="also draw reliability, thresholds, confusion"
+    )
     add_seed(parser)
 
 
@@ -41,8 +44,13 @@ def run(args: argparse.Namespace) -> int:
         from footsel.learning.evaluate import evaluate_model
 
     degradation = Degradation(args.noise, args.holes, args.seed)
+    if args.plot:
+        with needing("--plot", "report"):
+            from footsel.comparison.judgement_sheet import draw_judgement_sheet
     asked = None if degradation == Degradation(seed=args.seed) else degradation
     result = evaluate_model(args.model, args.dataset, args.out, args.families, args.exclude, asked)
+    if args.plot:
+        draw_judgement_sheet(args.plot, result)
     for name, figures in result["networks"].items():
         overall = figures["all"]
         parts = {

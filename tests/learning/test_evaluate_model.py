@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from footsel.cli.main import main
 from footsel.dataset.store import (
     MANIFEST,
     open_dataset,
@@ -109,6 +110,24 @@ def test_degraded_input_is_judged_by_the_true_labels(dataset_dir, run, flat):
     # A fifth of all cells is lost, of the 98 % that were known too.
     assert cells[1] == pytest.approx(cells[0] - 0.2 * 0.98 * 18 * 1600, rel=0.02)
     assert noisy["picks"]["unknown_picks"] == 0 and noisy["maps"] == 18
+
+
+def test_the_command_writes_figures_and_a_sheet(dataset_dir, run, tmp_path, capsys):
+    out, sheet = tmp_path / "metrics.json", tmp_path / "sheet.png"
+    degradation = ("--noise", "d435", "--holes", "0.2", "--seed", "5")
+    assert main(["evaluate", *map(str, (run, dataset_dir, "--out", out, "--plot", sheet, *degradation))]) == 0
+    expected = evaluate_model(run, dataset_dir, degradation=Degradation("d435", 0.2, 5))
+    assert json.loads(out.read_text()) == expected
+    assert "missed" in capsys.readouterr().out and sheet.stat().st_size > 10_000
+    # A seed alone degrades nothing.
+    assert main(["evaluate", *map(str, (run, dataset_dir, "--out", out, "--seed", 5))]) == 0
+    assert json.loads(out.read_text())["degradation"] is None
+
+
+@pytest.mark.parametrize("wrong", [("--noise", "kinect"), ("--holes", "1"), ("--holes", "-.1"), ("--holes", "many")])
+def test_wrong_degradations_are_refused_in_a_line(dataset_dir, run, tmp_path, capsys, wrong):
+    assert main(["evaluate", str(run), str(dataset_dir), "--out", str(tmp_path / "m.json"), *wrong]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1 and not (tmp_path / "m.json").exists()
 
 
 def test_nothing_to_evaluate_is_said(tmp_path):
