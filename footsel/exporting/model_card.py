@@ -1,23 +1,12 @@
 """The model card: what the networks are, what exactly was run, how good they are, their limits, how to remake them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
+from footsel.exporting import card_figures
+from footsel.exporting.card_figures import table
+from footsel.learning.threshold import MOST_MISSED_IN_VALIDATION
 from footsel.legs import PAIRS, TRAINED_LEG
-
-#: Key path in a pair's validation metrics -> row of the card's table, and the format of its value.
-_METRIC_ROWS: tuple[tuple[tuple[str, str], str, str], ...] = (
-    (("cells_likeliest", "accuracy"), "class accuracy, most probable of 14 classes (as the paper measures)", "{:.2%}"),
-    (("cells_likeliest", "miou"), "mean IoU of the same, absent classes as 0", "{:.3f}"),
-    (("cells_likeliest", "miou_present"), "mean IoU of the same, present classes", "{:.3f}"),
-    (("cells", "accuracy"), "class accuracy by the selector's rule", "{:.2%}"),
-    (("cells", "cost_mae"), "mean absolute cost error where both say feasible, of 255", "{:.2f}"),
-    (("cells", "false_safe_rate"), "false safe: infeasible cells called feasible", "{:.2%}"),
-    (("cells", "false_unsafe_rate"), "false unsafe: feasible cells called infeasible", "{:.2%}"),
-    (("picks", "infeasible_rate"), "picks that the oracle rejects", "{:.2%}"),
-    (("picks", "missed"), "no answer although there is a foothold, maps", "{:d}"),
-    (("picks", "regret_mean"), "mean regret of a pick, final cost", "{:.2f}"),
-)
 
 
 def model_card(
@@ -54,10 +43,6 @@ def _section(title: str, lines: list[str]) -> list[str]:
     return [f"## {title}", "", *lines, ""]
 
 
-def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    return ["| " + " | ".join(row) + " |" for row in (head, ("---",) * len(head), *rows)]
-
-
 def _files(sizes: Mapping[str, int]) -> list[str]:
     rows = [(f"`{name}`", f"{size / 1e6:.2f} MB") for name, size in sorted(sizes.items())]
     rows += [
@@ -65,7 +50,7 @@ def _files(sizes: Mapping[str, int]) -> list[str]:
         ("`parity.json`", "the files against the trained networks"),
         ("`SHA256SUMS`", "`sha256sum -c SHA256SUMS` checks the folder, as the loader does"),
     ]
-    return _table(("file", "content"), rows)
+    return table(("file", "content"), rows)
 
 
 def _training(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -86,7 +71,7 @@ def _training(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
         row("footsel", lambda info: info["version"]),
         *(row(f"recipe: {key}", lambda info, key=key: _plain(info["recipe"].get(key))) for key in keys),
     ]
-    return _table(("", *PAIRS), rows)
+    return table(("", *PAIRS), rows)
 
 
 def _began_with(release: Mapping[str, str] | None) -> str:
@@ -102,15 +87,32 @@ def _plain(value: Any) -> str:
 
 
 def _validation(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    rows = []
-    for (group, key), label, form in _METRIC_ROWS:
-        values = [infos[pair]["validation"].get(group, {}).get(key) for pair in PAIRS]
-        rows.append((label, *("-" if value is None else form.format(value) for value in values)))
-    return [
+    figures = {pair: infos[pair]["validation"] for pair in PAIRS}
+    lines = [
         "On the data set's validation maps, from courses that training never saw, of the same terrain families.",
         "The full set of figures is in `metrics.json`.",
         "",
-        *_table(("", *PAIRS), rows),
+        *card_figures.overall(figures),
+    ]
+    for pair in PAIRS:
+        lines += ["", f"### Terrain families, {pair}", "", *card_figures.by_family(figures[pair])]
+    for pair in PAIRS:
+        lines += ["", f"### Thresholds, {pair}", ""]
+        lines += card_figures.along_thresholds(figures[pair], infos[pair]["feasible_below"])
+    return [
+        *lines,
+        "",
+        "In bold the threshold in use, chosen on these maps: of those that leave at most "
+        f"{MOST_MISSED_IN_VALIDATION:.1%} of the maps",
+        "with a foothold without an answer (or, if none does, the fewest) the one with the fewest infeasible picks.",
+        "Infeasible is a share of the picks; false safe and false unsafe are shares of cells.",
+        "",
+        "### Confidence",
+        "",
+        "A pick's confidence is 1 - p(infeasible) of its cell. A choice goes to where the network errs, so of the",
+        "picks fewer are accepted than of all cells with that confidence.",
+        "",
+        *card_figures.confidences(figures),
     ]
 
 
@@ -128,7 +130,7 @@ def _parity(parity: Mapping[str, Mapping[str, Any]]) -> list[str]:
         for pair, reports in parity.items()
         for variant, report in reports.items()
     ]
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -141,6 +143,7 @@ def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
         "- A network errs: see the picks that the oracle rejects. Where a wrong step is costly, let an exact check",
         "  confirm the pick (`select(..., verify=...)`).",
         "- It judges where a foot stands, not how it gets there: the swing is for the planner to check.",
+        *card_figures.weak_spots({pair: infos[pair]["validation"] for pair in PAIRS}),
     ]
     if "unknown" not in planes:
         lines.append("- Unknown cells look like the deepest ground to this network. They are never picked.")
