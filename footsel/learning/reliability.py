@@ -14,8 +14,8 @@ class Reliability:
     """Accumulates probabilities and what became of them.
 
     Guo et al., "On Calibration of Modern Neural Networks" (ICML 2017), for the diagram and the expected calibration
-    error. Their remedy, one temperature for all logits, was tried: it betters the error of the most probable class
-    and worsens that of p(infeasible), on which safety rests, so there is none.
+    error. Their remedy, one temperature for all logits, betters the error of the most probable class and worsens that
+    of p(infeasible), on which safety rests (docs/judging.md), so there is none.
     """
 
     def __init__(self) -> None:

@@ -69,15 +69,15 @@ def threshold_curve(predictions: Predictions, samples: Samples, layout: LegLayou
     return curve.result()
 
 
-def choose_feasible_below(curve: Sequence[Mapping[str, Any]]) -> float:
+def choose_feasible_below(curve: Sequence[Mapping[str, Any]], most_missed: float = MOST_MISSED_IN_VALIDATION) -> float:
     """The threshold with the smallest share of infeasible picks among those that miss few enough footholds.
 
-    Never answering is no safety: first of all missed_rate stays within MOST_MISSED_IN_VALIDATION or, where no threshold
-    manages that, is the least of all. Among thresholds with equally few infeasible picks the highest wins, which
+    Never answering is no safety: first of all missed_rate stays within `most_missed` or, where no threshold manages
+    that, is the least of all. Among thresholds with equally few infeasible picks the highest wins, which
     forbids the fewest cells.
     """
     least = min(_rate(point, "missed_rate") for point in curve)
-    allowed = max(least, MOST_MISSED_IN_VALIDATION)
+    allowed = max(least, most_missed)
     candidates = [point for point in curve if _rate(point, "missed_rate") <= allowed]
     best = min(candidates, key=lambda point: (_rate(point, "infeasible_rate"), -float(point["feasible_below"])))
     return float(best["feasible_below"])

@@ -209,6 +209,7 @@ def _curve_figures(judgement: Mapping[str, Any]) -> dict[str, Any]:
         "false_safe": cells["false_safe_rate"],
         "false_unsafe": cells["false_unsafe_rate"],
         "infeasible_rate": picks["infeasible_rate"],
+        "missed_rate": picks["missed_rate"],
         "regret_mean": picks["regret_mean"],
     }
 
