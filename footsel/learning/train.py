@@ -238,7 +238,8 @@ def _read_curves(path: Path) -> list[dict[str, Any]]:
 
 def _write_curves(path: Path, rows: list[dict[str, Any]]) -> None:
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    # A resumed training may be of an older version, whose rows had fewer columns.
+    writer = csv.DictWriter(text, list(rows[-1]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     replace_file(path, lambda temporary: temporary.write_text(text.getvalue(), encoding="utf-8"))

@@ -98,11 +98,11 @@ def test_picks_by_hand():
     final[1, 0, 0] = 5
     final[2, 0, 1] = 7
     reason = np.where(np.isfinite(final), Reason.FEASIBLE, Reason.KINEMATIC_RANGE)
-    reason[1, 1, 1] = Reason.TERRAIN_COLLISION
+    reason[1, 1, 0] = Reason.TERRAIN_COLLISION
     reason[3, 1, 1] = Reason.UNKNOWN
     metrics = PickMetrics()
     # Regret 10; infeasible; missed; on an unknown cell where the oracle has none; rightly none.
-    metrics.update([[0, 1], [1, 1], [-1, -1]], final[:3], reason[:3])
+    metrics.update([[0, 1], [1, 0], [-1, -1]], final[:3], reason[:3])
     metrics.update([[1, 1], [-1, -1]], final[3:], reason[3:])
     metrics.update([[0, 0]], final[:1], reason[:1])  # the best cell: regret 0
     assert metrics.result() == {

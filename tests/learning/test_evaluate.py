@@ -1,10 +1,13 @@
 """Judging: picks as the runtime makes them, decoding as the runtime does, the threshold's rule, families."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from footsel.footholds import BasePose, CellScores, Reason, choose
 from footsel.footholds.cost import CLASSES, softmax
+from footsel.learning.degraded import Degradation
 from footsel.learning.evaluate import evaluate
 from footsel.learning.loss import LABEL_CLASS
 from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells, picks_below
@@ -119,17 +122,43 @@ def test_the_curve_and_the_scores_do_not_depend_on_how_maps_come(samples, layout
 
 def test_picks_below_a_threshold_are_the_picks_of_the_cells_below_it(samples, layout):
     rng = np.random.default_rng(8)
-    cost = rng.integers(0, 3, samples.cost.shape) * 10.0  # few values, so that ties happen
-    infeasible = rng.random(samples.cost.shape, dtype=np.float32)
     known = samples.reason != Reason.UNKNOWN
-    distances = nominal_distances(layout, "LF", samples.roll, samples.pitch)
-    distances = np.round(distances, 1)
-    thresholds = (0.9, float(infeasible[0, 20, 20]), 0.004, 0.0005, 0.0)
-    picks = picks_below(final_cost_maps(cost, known, distances), distances, infeasible, thresholds)
+    distances = np.round(nominal_distances(layout, "LF", samples.roll, samples.pitch), 1)
+    # Costs and distances of few values, so that cells tie, nearer and farther ones too: 0.1 m weighs 16.
+    final = final_cost_maps(rng.integers(0, 4, samples.cost.shape) * 16.0, known, distances)
+    infeasible = rng.random(samples.cost.shape, dtype=np.float32)
+    best = pick_cells(final, distances)
+    at_the_edge = float(infeasible[0][tuple(best[0])])
+    thresholds = (1.0, at_the_edge, 0.9, 0.004, 0.0005, 0.0)
+    picks = picks_below(final, distances, infeasible, thresholds)
     for threshold, cells in zip(thresholds, picks, strict=True):
-        below = known & (infeasible < threshold)
-        np.testing.assert_array_equal(cells, pick_cells(final_cost_maps(cost, below, distances), distances))
-    assert (picks[0] >= 0).all() and (picks[-1] == -1).all() and picks[3].min(axis=1).max() > -1
+        below = np.where(infeasible < np.float32(threshold), final, np.inf)
+        np.testing.assert_array_equal(cells, pick_cells(below, distances))
+    np.testing.assert_array_equal(picks[0], best)
+    assert (picks[1, 0] != best[0]).any() and (picks[-1] == -1).all() and picks[4].max() > -1
+
+
+def test_a_cell_at_a_threshold_is_not_below_it(samples, layout):
+    predictions = predict_all(random_predict, samples)
+    infeasible = np.random.default_rng(3).choice(np.array(THRESHOLDS, dtype=np.float32), samples.cost.shape)
+    predictions = replace(predictions, infeasible=infeasible)
+    for point in threshold_curve(predictions, samples, layout, "LF")[::6]:
+        called = predictions.feasible(point["feasible_below"])
+        feasible = samples.reason == Reason.FEASIBLE
+        assert point["false_unsafe_rate"] == pytest.approx((feasible & ~called).sum() / feasible.sum())
+
+
+def test_degraded_maps_do_not_depend_on_how_many_come_at_once(samples, layout, monkeypatch, flat):
+    worse = Degradation("d435", 0.2, 1)
+    together = evaluate(random_by_height, samples, layout, "LF", 0.2, worse)
+    monkeypatch.setattr("footsel.learning.evaluate.CHUNK", 3)
+    assert flat(evaluate(random_by_height, samples, layout, "LF", 0.2, worse)) == pytest.approx(flat(together))
+
+
+def random_by_height(samples):
+    """Probabilities that depend on each cell's height alone."""
+    phase = np.nan_to_num(samples.heights())[:, None] * np.linspace(20, 300, CLASSES)[:, None, None]
+    return softmax(3 * np.sin(phase), axis=1)
 
 
 def test_the_threshold_has_the_fewest_infeasible_picks_among_those_that_miss_little():

@@ -22,15 +22,22 @@ def test_flat_ground_stays_flat_but_for_the_noise_of_the_depth():
     assert error[:, -5:].std() > 1.3 * error[:, :5].std()
 
 
-def test_edges_fray_by_the_lateral_noise():
+@pytest.mark.parametrize("axis", [0, 1])
+def test_edges_fray_by_the_lateral_noise(axis):
     step = FLAT.copy()
     step[20:] = -0.30
+    step = np.moveaxis(step, 0, axis)
     high = readings(step) > -0.375
     # A cell n cells from the edge is wrong if its reading is off by n cells: depths are 0.5 to 1.2 m here.
-    wrong = (high != (step > -0.375)).mean(axis=(0, 2))
+    wrong = (high != (step > -0.375)).mean(axis=(0, 2 - axis))
     assert 0.15 < wrong[19] < 0.4 and 0.15 < wrong[20] < 0.4
     assert wrong[19] > 2 * wrong[18] > 4 * wrong[17]
     assert wrong[:14].max() < 1e-3 and LATERAL * 1.2 < 0.02
+
+
+def test_maps_are_seen_from_near_and_from_far():
+    spreads = (readings(FLAT, 60) - FLAT).std(axis=(1, 2))
+    assert spreads.max() > 1.5 * spreads.min()
 
 
 def test_unknown_stays_unknown_and_known_stays_known():
