@@ -5,7 +5,6 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import spearmanr
@@ -21,6 +20,7 @@ from footsel.oracle.terrain_cost import (
     TerrainCostModel,
     terrain_features,
 )
+from footsel.walking.bullet import pybullet
 from footsel.walking.slip import trial
 from footsel.walking.slip.campaign import FRICTIONS, CampaignConfig, Trials
 

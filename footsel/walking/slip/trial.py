@@ -11,11 +11,10 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
-from pybullet_utils.bullet_client import BulletClient
 
 from footsel.terrain import ElevationMap
+from footsel.walking.bullet import BulletWorld, pybullet
 from footsel.walking.slip.touchdown import touchdown_heights
 
 Array = NDArray[np.float64]
@@ -54,7 +53,7 @@ class SlipWorld:
         self._heights = np.where(np.isnan(heights), np.nanmin(heights) - HOLE_DEPTH, heights)
         self._resolution, self._position = elevation_map.resolution, elevation_map.position
         self._radius = foot_radius
-        self._client = BulletClient(pybullet.DIRECT)
+        self._client = BulletWorld()
         self._client.setPhysicsEngineParameter(
             fixedTimeStep=TIME_STEP,
             numSolverIterations=SOLVER_ITERATIONS,
