@@ -24,8 +24,9 @@ try:
     from footsel.exporting.quantise import quantised
     from footsel.exporting.simplify import simplified
     from footsel.exporting.trial_maps import trial_maps
-    from footsel.learning.checkpoint import load_network
-    from footsel.learning.erfnet import ERFNet
+    from footsel.learning.checkpoint import load_network, released_weights
+    from footsel.learning.files import weights_file
+    from footsel.learning.network import FootholdNetwork
 except ImportError as error:
     raise MissingExtraError("exporting a model", "train", error.name or "torch") from None
 
@@ -70,6 +71,8 @@ def export_run(run: str | Path, out: str | Path, int8: bool = False, parity_maps
     }
     metrics = {pair: info["validation"] for pair, info in infos.items()}
     networks = {name: content for exported in pairs.values() for name, content in exported.files.items()}
+    for pair, (network, info) in trained.items():
+        networks[weights_file(pair)] = released_weights(network.state_dict(), info)
     texts = {
         "metrics.json": _json({"robot": infos["front"]["robot"], **metrics}),
         "parity.json": _json(parity),
@@ -79,7 +82,7 @@ def export_run(run: str | Path, out: str | Path, int8: bool = False, parity_maps
     return out
 
 
-def export_network(trained: ERFNet, info: Mapping[str, Any], int8: bool, parity_maps: int) -> ExportedPair:
+def export_network(trained: FootholdNetwork, info: Mapping[str, Any], int8: bool, parity_maps: int) -> ExportedPair:
     """One network, with the header of its file, as ONNX in every variant, each compared with the network in torch.
 
     Raises ModelError if the float32 file says another class than the network.
@@ -91,7 +94,8 @@ def export_network(trained: ERFNet, info: Mapping[str, Any], int8: bool, parity_
     graphs = {"float32": graph}
     if int8:
         maps = trial_maps(contract.layout, leg, CALIBRATION_MAPS, _CALIBRATION_SEED)
-        graphs["int8"] = quantised(graph, encoding.encode(maps.heights, maps.roll, maps.pitch))
+        planes = encoding.encode(maps.heights, maps.roll, maps.pitch)
+        graphs["int8"] = quantised(graph, planes, trained.exact_parts)
 
     maps = trial_maps(contract.layout, leg, parity_maps, _PARITY_SEED)
     expected = trained_logits(trained, encoding, maps)
@@ -104,7 +108,7 @@ def export_network(trained: ERFNet, info: Mapping[str, Any], int8: bool, parity_
     return ExportedPair(files, reports)
 
 
-def _load_pair(folder: Path, pair: str) -> tuple[ERFNet, dict[str, Any]]:
+def _load_pair(folder: Path, pair: str) -> tuple[FootholdNetwork, dict[str, Any]]:
     trained, info = load_network(folder)
     if info["pair"] != pair:
         raise ModelError(f"{folder} was trained for the {info['pair']} legs", f"put the {pair} run there")

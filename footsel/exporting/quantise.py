@@ -1,7 +1,7 @@
 """Static 8-bit quantisation of an exported network (QDQ, unsigned activations, signed weights per channel)."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -28,12 +28,16 @@ class _Batches(CalibrationDataReader):  # type: ignore[misc]
         return next(self._batches, None)
 
 
-def quantised(model: onnx.ModelProto, planes: NDArray[np.float32]) -> onnx.ModelProto:
-    """The model in 8 bits, its activation ranges taken from running `planes` (n, in_channels, 40, 40) through it."""
+def quantised(model: onnx.ModelProto, planes: NDArray[np.float32], exact: Collection[str] = ()) -> onnx.ModelProto:
+    """The model in 8 bits, its activation ranges taken from running `planes` (n, in_channels, 40, 40) through it.
+
+    exact: names of parts of the network that stay in float32, with all that they depend on.
+    """
     with tempfile.TemporaryDirectory() as folder:
         source, prepared, target = (Path(folder) / name for name in ("source.onnx", "prepared.onnx", "target.onnx"))
         onnx.save(model, source)
-        quant_pre_process(str(source), str(prepared))
+        # The plain shape inference knows all that is needed; the symbolic one stumbles over slices.
+        quant_pre_process(str(source), str(prepared), skip_symbolic_shape=True)
         quantize_static(
             str(prepared),
             str(target),
@@ -42,7 +46,19 @@ def quantised(model: onnx.ModelProto, planes: NDArray[np.float32]) -> onnx.Model
             activation_type=QuantType.QUInt8,
             weight_type=QuantType.QInt8,
             per_channel=True,
+            nodes_to_exclude=_nodes_of(onnx.load(prepared), exact),
         )
         result = onnx.load(target)
     strip(result)
     return result
+
+
+def _nodes_of(model: onnx.ModelProto, parts: Collection[str]) -> list[str]:
+    """Names of the nodes that use a weight of one of `parts`, and of all nodes before them."""
+    before: set[str] = set()
+    names = []
+    for node in reversed(model.graph.node):
+        if before.intersection(node.output) or any(name.split(".")[0] in parts for name in node.input):
+            before.update(node.input)
+            names.append(node.name)
+    return names

@@ -8,12 +8,15 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from footsel.learning.erfnet import Downsampler
+from footsel.learning.network import FootholdNetwork
 from footsel.terrain import CELLS
 
 
 def simplified(network: nn.Module, in_channels: int) -> nn.Module:
     """A copy of the network in eval mode that computes the same logits for local maps of 40x40 cells."""
     network = copy.deepcopy(network).eval().to(memory_format=torch.contiguous_format)  # type: ignore[call-overload]
+    if isinstance(network, FootholdNetwork):
+        network.drop_training_parts()
     network = _replace_downsamplers(network)
     trim_padding_taps(network, torch.zeros(1, in_channels, CELLS, CELLS))
     return network

@@ -1,4 +1,4 @@
-"""ERFNet, recipes, training and evaluation. Importing this package alone loads neither torch nor a dataset."""
+"""Networks, recipes, training and evaluation. Importing this package alone loads neither torch nor a dataset."""
 
 from footsel.learning.recipe import RECIPES, Recipe
 

@@ -7,7 +7,6 @@ from torch import Tensor
 
 from footsel.dataset.samples import Samples, decode_heights
 from footsel.footholds.encoding import InputEncoding
-from footsel.learning.loss import LABEL_CLASS
 
 _TILT_PLANES = ("roll", "pitch")
 
@@ -38,11 +37,6 @@ class BatchEncoder:
             if name in _TILT_PLANES:
                 encoded[..., plane] = one_cell[:, plane]
         return torch.from_numpy(encoded).permute(0, 3, 1, 2)
-
-
-def label_classes(samples: Samples) -> Tensor:
-    """(n, 40, 40) int64 class of every cell."""
-    return torch.from_numpy(LABEL_CLASS[samples.cost].astype(np.int64))
 
 
 def shuffled_batches(count: int, batch_size: int, seed: int, epoch: int) -> list[NDArray[np.intp]]:

@@ -15,16 +15,19 @@ import torch
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
-from torch import Tensor
+from torch import Tensor, nn
 
 from footsel.dataset.samples import Samples
-from footsel.errors import ModelError
+from footsel.errors import InputError, ModelError
 from footsel.files import replace_file
+from footsel.footholds import LegLayout
 from footsel.learning.batches import BatchEncoder
-from footsel.learning.erfnet import ERFNet, channels_last
+from footsel.learning.build import build_network
 from footsel.learning.files import CHECKPOINT_FILE, MODEL_FILE
 from footsel.learning.learner import Learner
+from footsel.learning.network import FootholdNetwork, channels_last
 from footsel.learning.predictions import Predict
+from footsel.learning.recipe import Recipe
 
 _HEADER = "footsel"
 
@@ -89,7 +92,22 @@ def save_model(folder: Path, weights: Mapping[str, Tensor], info: Mapping[str, A
     _save(folder / MODEL_FILE, weights, info)
 
 
-def load_network(folder: str | Path) -> tuple[ERFNet, dict[str, Any]]:
+def read_model(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
+    """Weights and header of a model's file, a run's or a released one's.
+
+    Raises ModelError for a file that is missing or no such file.
+    """
+    weights, info = _load(path)
+    return {name: tensor.float() if tensor.is_floating_point() else tensor for name, tensor in weights.items()}, info
+
+
+def released_weights(weights: Mapping[str, Tensor], info: Mapping[str, Any]) -> bytes:
+    """Content of a file for a released model: what `read_model` reads, the kernels in bfloat16 for half the size."""
+    small = {name: tensor.bfloat16() if tensor.ndim == 4 else tensor for name, tensor in weights.items()}
+    return _content(small, info)
+
+
+def load_network(folder: str | Path) -> tuple[FootholdNetwork, dict[str, Any]]:
     """The network of a run's folder OUT/PAIR, ready for inference, and what its header says.
 
     The header has: robot, pair, layout, recipe, encoding, in_channels, classes, class_shares, dataset (what it was made
@@ -97,16 +115,16 @@ def load_network(folder: str | Path) -> tuple[ERFNet, dict[str, Any]]:
     Raises ModelError if there is no such model.
     """
     path = Path(folder) / MODEL_FILE
-    tensors, info = _load(path)
+    tensors, info = read_model(path)
     try:
-        net = ERFNet(int(info["in_channels"]), int(info["classes"]))
+        net = build_network(Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"]))
         net.load_state_dict(tensors)
-    except (KeyError, RuntimeError, TypeError, ValueError):
+    except (InputError, KeyError, RuntimeError, TypeError, ValueError):
         raise ModelError(f"{path} holds no network of this footsel", "train it again with this version") from None
     return channels_last(net).eval(), info
 
 
-def network_predictor(net: ERFNet, encode: BatchEncoder) -> Predict:
+def network_predictor(net: nn.Module, encode: BatchEncoder) -> Predict:
     """Class probabilities of samples by a network in evaluation mode, in float32."""
 
     def predict(samples: Samples) -> NDArray[np.float32]:
@@ -117,12 +135,15 @@ def network_predictor(net: ERFNet, encode: BatchEncoder) -> Predict:
 
 
 def _save(path: Path, tensors: Mapping[str, Tensor], header: Mapping[str, Any]) -> None:
+    # Through bytes, not safetensors' own file writing, which makes files that only their owner can read.
+    content = _content(tensors, header)
+    replace_file(path, lambda temporary: temporary.write_bytes(content))
+
+
+def _content(tensors: Mapping[str, Tensor], header: Mapping[str, Any]) -> bytes:
     # Convolution weights may be stored channels last; safetensors keeps plain row-major tensors.
     plain = {name: tensor.detach().contiguous() for name, tensor in tensors.items()}
-    metadata = {_HEADER: json.dumps(header, sort_keys=True)}
-    # Through bytes, not safetensors' own file writing, which makes files that only their owner can read.
-    content = save(plain, metadata)
-    replace_file(path, lambda temporary: temporary.write_bytes(content))
+    return bytes(save(plain, {_HEADER: json.dumps(header, sort_keys=True)}))
 
 
 def _load(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from footsel.footholds.cost import CLASSES
+from footsel.learning.network import FootholdNetwork
 
 BATCH_NORM_EPS = 1e-3
 #: Dropout of ERFNet's residual layers, after the second and after the third downsampling.
@@ -76,17 +76,16 @@ class Upsampler(nn.Module):
         return functional.relu(self.norm(self.convolution(maps)))
 
 
-class ERFNet(nn.Module):
-    """Local maps to class logits: (n, in_channels, 40, 40) -> (n, classes, 40, 40).
+class ERFNet(FootholdNetwork):
+    """The paper's network, with 2,063,652 parameters.
 
     in_channels: planes of the input encoding; 1 is the paper's.
-    classes: output channels, the last one is "infeasible". With 1 and 14 the network has 2,063,652 parameters.
     """
 
-    def __init__(self, in_channels: int = 1, classes: int = CLASSES) -> None:
-        super().__init__()
-        self.in_channels = in_channels
-        self.classes = classes
+    class_bias = "decoder.6.bias"
+
+    def __init__(self, in_channels: int = 1) -> None:
+        super().__init__(in_channels)
         self.encoder = nn.Sequential(
             Downsampler(in_channels, 16),
             Downsampler(16, 64),
@@ -101,16 +100,10 @@ class ERFNet(nn.Module):
             Upsampler(64, 16),
             NonBottleneck1d(16),
             NonBottleneck1d(16),
-            nn.ConvTranspose2d(16, classes, 2, stride=2),
+            nn.ConvTranspose2d(16, self.classes, 2, stride=2),
         )
 
     def forward(self, maps: Tensor) -> Tensor:
         """Logits of every cell."""
         logits: Tensor = self.decoder(self.encoder(maps))
         return logits
-
-
-def channels_last(net: ERFNet) -> ERFNet:
-    """`net` with its convolution weights stored channels last, the faster layout on CPUs."""
-    converted: ERFNet = net.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    return converted

@@ -7,34 +7,35 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn import functional
 
 from footsel.dataset.samples import Samples
-from footsel.footholds.encoding import InputEncoding
-from footsel.learning.batches import BatchEncoder, label_classes
-from footsel.learning.erfnet import ERFNet, channels_last
+from footsel.footholds import LegLayout
+from footsel.learning.batches import BatchEncoder
+from footsel.learning.build import build_network
+from footsel.learning.loss import FootholdLoss
+from footsel.learning.network import FootholdNetwork, channels_last
 from footsel.learning.recipe import Recipe
 
 
 class Learner:
-    """ERFNet and Adam as a recipe asks for.
+    """The network, the loss and Adam as a recipe asks for.
 
-    encoding: the input. class_weight: (14,) in the cross-entropy.
+    layout: of the robot. class_weight: (14,) in the cross-entropy.
     seed: of the first weights and, after them, of every channel that is dropped; it goes to torch's global generator.
     """
 
-    def __init__(self, recipe: Recipe, encoding: InputEncoding, class_weight: NDArray[np.float32], seed: int) -> None:
+    def __init__(self, recipe: Recipe, layout: LegLayout, class_weight: NDArray[np.float32], seed: int) -> None:
         torch.manual_seed(seed)
-        self.encode = BatchEncoder(encoding)
-        self.net = channels_last(ERFNet(len(encoding.planes)))
+        self.encode = BatchEncoder(recipe.encoding(layout.height_range))
+        self.recipe, self._layout = recipe, layout
+        self.net = channels_last(build_network(recipe, layout))
         self.optimiser = torch.optim.Adam(self.net.parameters(), weight_decay=recipe.weight_decay, fused=True)
         #: Moving average of weights and batch statistics by name; empty if the recipe keeps none.
         self.average: dict[str, Tensor] = {}
         if recipe.ema_decay > 0:
             self.average = {name: tensor.clone() for name, tensor in self.net.state_dict().items()}
-        self._average_decay = recipe.ema_decay
         self._class_weight = torch.from_numpy(class_weight)
-        self._calibrated = recipe.calibrated
+        self._loss = FootholdLoss(recipe, class_weight)
         self._bfloat16 = computes_in_bfloat16(recipe.precision)
 
     def weights(self) -> Mapping[str, Tensor]:
@@ -44,18 +45,27 @@ class Learner:
         (logit adjustment, Menon et al. 2021).
         """
         weights = dict(self.average or self.net.state_dict())
-        if self._calibrated:
-            bias = f"decoder.{len(self.net.decoder) - 1}.bias"
-            weights[bias] = weights[bias] - self._class_weight.log()
+        if self.recipe.calibrated:
+            weights[self.net.class_bias] = weights[self.net.class_bias] - self._class_weight.log()
         return weights
+
+    def usable_network(self) -> FootholdNetwork:
+        """A network with the weights to use, ready for inference."""
+        net = build_network(self.recipe, self._layout)
+        net.load_state_dict(self.weights())
+        return channels_last(net).eval()
 
     @torch.no_grad()
     def adopt(self, weights: Mapping[str, Tensor]) -> None:
-        """Begin at weights to use, of another training: the inverse of `weights`. The average begins there too."""
-        self.net.load_state_dict(weights)
-        if self._calibrated:
-            bias = self.net.decoder[-1].bias
-            bias += self._class_weight.log()  # type: ignore[operator]
+        """Begin at weights to use, of another training: the inverse of `weights`. The average begins there too.
+
+        Raises RuntimeError if they are of another network; only what it learns from besides may be missing or too much.
+        """
+        found = self.net.load_state_dict(weights, strict=False)
+        if wrong := [name for name in (*found.missing_keys, *found.unexpected_keys) if "reason" not in name]:
+            raise RuntimeError(f"weights do not fit: {wrong}")
+        if self.recipe.calibrated:
+            self.net.get_parameter(self.net.class_bias).add_(self._class_weight.log())
         for name, tensor in self.net.state_dict().items():
             if name in self.average:
                 self.average[name].copy_(tensor)
@@ -64,8 +74,9 @@ class Learner:
         """One step of Adam on the maps of one batch; returns the loss before it."""
         self.net.train()
         with torch.autocast("cpu", torch.bfloat16, enabled=self._bfloat16):
-            logits = self.net(self.encode(samples))  # (n, 14, 40, 40)
-        loss = functional.cross_entropy(logits.float(), label_classes(samples), self._class_weight)
+            maps = self.encode(samples)
+            logits, reasons = self.net.with_reasons(maps) if self.recipe.reason_weight else (self.net(maps), None)
+        loss = self._loss(logits, reasons, samples)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
         self.optimiser.param_groups[0]["lr"] = learning_rate
@@ -76,7 +87,7 @@ class Learner:
     @torch.no_grad()
     def _move_average(self, updates_before: int) -> None:
         # Early on it moves faster, to forget the first weights.
-        decay = min(self._average_decay, (1 + updates_before) / (10 + updates_before))
+        decay = min(self.recipe.ema_decay, (1 + updates_before) / (10 + updates_before))
         if self.average:
             for name, tensor in self.net.state_dict().items():
                 if tensor.is_floating_point():

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import MISSING, asdict, dataclass, fields
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,15 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+#: footsel.learning.erfnet, footsel.learning.footnet. What the latter sees beside the input planes.
+ARCHITECTURES = ("erfnet", "footnet")
+FEATURES = ("drops", "rises", "place")
+
 #: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
 RECIPES = ("paper", "footsel")
 
 _CHOICES = {
+    "architecture": ARCHITECTURES,
     "schedule": ("exponential", "one_cycle"),
     "class_weights": ("paper", "none"),
     "precision": ("auto", "float32", "bfloat16"),
@@ -37,6 +42,9 @@ class Recipe:
     class_weights: "paper" or "none". calibrated: whether the weights' tilt towards rare classes is taken out of the
         trained network's logits again. ema_decay: of the weights' moving average, per update; 0 keeps none.
     precision: "auto", "float32" or "bfloat16" arithmetic of the forward pass.
+    architecture: "erfnet" or "footnet"; for the latter widths, blocks, features (footsel.learning.footnet.FootNet).
+    ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
+    noise: how many times that of a depth camera is added to the training maps.
     """
 
     name: str
@@ -53,9 +61,18 @@ class Recipe:
     precision: str
     decay: float | None = None
     decay_epochs: int | None = None
+    architecture: str = "erfnet"
+    widths: tuple[int, ...] = ()
+    blocks: tuple[int, ...] = ()
+    features: tuple[str, ...] = ()
+    ordinal: float = 0.0
+    reason_weight: float = 0.0
+    collision_weight: float = 1.0
+    noise: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "planes", tuple(self.planes))
+        for key in ("planes", "widths", "blocks", "features"):
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         InputEncoding(self.planes)
         for key, known in _CHOICES.items():
             if getattr(self, key) not in known:
@@ -67,9 +84,32 @@ class Recipe:
         self._check("learning_rate", _is_number(self.learning_rate) and self.learning_rate > 0, "a number above 0")
         self._check("weight_decay", _is_number(self.weight_decay) and self.weight_decay >= 0, "a number of 0 or more")
         self._check("ema_decay", _is_number(self.ema_decay) and 0 <= self.ema_decay < 1, "a number in [0, 1)")
+        self._check("ordinal", _is_number(self.ordinal) and self.ordinal >= 0, "a number of 0 or more")
+        self._check(
+            "reason_weight", _is_number(self.reason_weight) and self.reason_weight >= 0, "a number of 0 or more"
+        )
+        self._check("collision_weight", _is_number(self.collision_weight) and self.collision_weight > 0, "above 0")
+        self._check("noise", _is_number(self.noise) and self.noise >= 0, "a number of 0 or more")
+        self._check_network()
         if self.schedule == "exponential":
             self._check("decay", _is_number(self.decay) and 0 < float(self.decay or 0) <= 1, "a number in (0, 1]")
             self._check("decay_epochs", _is_whole(self.decay_epochs) and int(self.decay_epochs or 0) >= 1, "1 or more")
+
+    def _check_network(self) -> None:
+        if self.architecture == "erfnet":
+            for key in ("widths", "blocks", "features"):
+                self._check(key, not getattr(self, key), "none: ERFNet has its own")
+            self._check("reason_weight", self.reason_weight == 0, "0: ERFNet has one output")
+            return
+        whole = len(self.widths) == 4 and all(_is_whole(width) and width > 0 for width in self.widths)
+        self._check(
+            "widths", whole and self.widths[1] < self.widths[2] < self.widths[3], "four, the last three growing"
+        )
+        counts = all(_is_whole(count) and count >= 0 for count in self.blocks)
+        self._check("blocks", len(self.blocks) == 3 and counts, "three numbers of residual layers")
+        for feature in self.features:
+            if feature not in FEATURES:
+                raise UnknownNameError(f"feature of recipe {self.name}", feature, FEATURES)
 
     def _check(self, key: str, good: bool, expected: str) -> None:
         if not good:
@@ -107,13 +147,14 @@ class Recipe:
         known = {field.name for field in fields(cls)}
         if unknown := sorted(set(values) - known):
             raise UnknownNameError(f"key of recipe {name}", unknown[0], sorted(known))
-        if missing := sorted(known - set(values) - {"decay", "decay_epochs"}):
+        required = {field.name for field in fields(cls) if field.default is MISSING}
+        if missing := sorted(required - set(values)):
             raise InputError(f"recipe {name} lacks {', '.join(missing)}", "copy a shipped recipe and change its values")
         return cls(**values)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain JSON values; `from_dict` is its inverse."""
-        return {**asdict(self), "planes": list(self.planes)}
+        return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}
 
     def encoding(self, height_range: float) -> InputEncoding:
         """The network's input for a robot whose depth image spans `height_range`, in [m]."""

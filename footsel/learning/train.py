@@ -22,6 +22,7 @@ from footsel.dataset import Samples, open_dataset
 from footsel.errors import InputError
 from footsel.files import replace_file, write_json
 from footsel.footholds import LegLayout
+from footsel.learning.augmentation import with_noise
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (
     Progress,
@@ -31,7 +32,6 @@ from footsel.learning.checkpoint import (
     save_checkpoint,
     save_model,
 )
-from footsel.learning.erfnet import ERFNet, channels_last
 from footsel.learning.files import CHECKPOINT_FILE
 from footsel.learning.learner import Learner, computes_in_bfloat16
 from footsel.learning.loss import class_shares, class_weights
@@ -40,7 +40,7 @@ from footsel.learning.recipe import Recipe
 from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Judgement
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
-from footsel.learning.warm_start import lineage, start_from_release
+from footsel.learning.warm_start import lineage, start_from
 from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
 
@@ -75,13 +75,15 @@ def train(
     threads: int = 1,
     learning_rate: float | None = None,
     start: str | Path | None = None,
+    bar_line: int | None = None,
 ) -> dict[str, Any]:
     """Train the network of `pair` on a dataset of `footsel dataset`; files go to `out`/`pair`.
 
     resume: continue a training that was interrupted, to the same result.
     epochs, learning_rate: instead of the recipe's.
-    start: name or folder of a released model whose weights training begins with; its own lineage is kept.
+    start: run, released model or file of weights to begin with (footsel.learning.warm_start); the card names it.
     threads: of torch; two pairs side by side on one thread each take less time than one after the other on two.
+    bar_line: line of the terminal for the progress bar, where several trainings share it.
     Returns the header of the final model (footsel.learning.checkpoint.load_network).
     """
     dataset = open_dataset(dataset_dir)
@@ -91,7 +93,7 @@ def train(
     data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
     recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
     torch.set_num_threads(threads)
-    return fit(data, out / pair, recipe, resume, seed, start=start)
+    return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line)
 
 
 def fit(
@@ -102,6 +104,7 @@ def fit(
     seed: int = 0,
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
     start: str | Path | None = None,
+    bar_line: int | None = None,
 ) -> dict[str, Any]:
     """Train on maps in memory; `folder` gets config.json, curves.csv, validation.json, the checkpoint and the model."""
     # What is asked. A folder holds one training, from its first update to its last.
@@ -124,14 +127,15 @@ def fit(
     batches_per_epoch = -(-len(data.training) // recipe.batch_size)
 
     # Model.
-    learner = Learner(recipe, encoding, weights, seed)
+    learner = Learner(recipe, data.layout, weights, seed)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
     if start is not None and not resumed:
-        start_from_release(learner, start, data.pair, data.training)
+        start_from(learner, start, data.pair)
     rows = _read_curves(folder / "curves.csv")[: progress.epoch]
 
     # Loop.
-    bar = tqdm(total=recipe.epochs * len(data.training), unit="map", desc=data.pair, smoothing=0.05, disable=None)
+    whole = recipe.epochs * len(data.training)
+    bar = tqdm(total=whole, unit="map", desc=data.pair, smoothing=0.05, disable=None, position=bar_line)
     bar.update(progress.epoch * len(data.training) + progress.maps)
     saved = time.monotonic()
     for epoch in range(progress.epoch, recipe.epochs):
@@ -139,6 +143,8 @@ def fit(
         batches = shuffled_batches(len(data.training), recipe.batch_size, seed, epoch)
         for batch in range(progress.batch, batches_per_epoch):
             samples = data.training.take(batches[batch])
+            if recipe.noise > 0:
+                samples = with_noise(samples, data.layout.resolution, recipe.noise, seed=(seed, epoch, batch))
             rate = rate_of(recipe, epoch, batch, batches_per_epoch)
             loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)
             if not math.isfinite(loss):
@@ -183,9 +189,7 @@ def fit(
 
 def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.float32]) -> tuple[dict[str, Any], float]:
     """The threshold with its curve and the figures at it, and the validation loss."""
-    net = ERFNet(learner.net.in_channels, learner.net.classes)
-    net.load_state_dict(learner.weights())
-    predictions = predict_all(network_predictor(channels_last(net).eval(), learner.encode), data.validation)
+    predictions = predict_all(network_predictor(learner.usable_network(), learner.encode), data.validation)
     leg = TRAINED_LEG[data.pair]
     curve = threshold_curve(predictions, data.validation, data.layout, leg)
     feasible_below = choose_feasible_below(curve)

@@ -1,7 +1,9 @@
-"""What a sensor does to a map: noise and holes. (Drift belongs here too once mapping is part of the story.)"""
+"""What a sensor does to a map: holes, noise and drift."""
 
 import numpy as np
 from numpy.typing import NDArray
+
+from footsel.terrain.local_map import cell_offsets
 
 #: Noise of an Intel RealSense D435, standard deviations in [m] at the depth z in [m]: `a + b (z - c)^2` of the depth
 #: and `d z` of where an edge appears. A published fit to measurements of that camera.
@@ -15,6 +17,9 @@ CAMERA_PITCH = float(np.deg2rad(30.0))
 #: It stood about as high as the hips and this far behind the map's centre: a camera at the front does not see the
 #: ground under the legs, but what the robot is about to walk over. [m]
 VIEW_DISTANCE = (0.5, 1.0)
+#: What state estimation leaves: standard deviations of a whole map's height, in [m], and of its slope, along each axis.
+#: Assumed, not measured.
+DRIFT_HEIGHT, DRIFT_SLOPE = 0.003, 0.005
 
 
 def depth_camera_reading(
@@ -98,3 +103,20 @@ def _along(shape: tuple[int, ...], angle: float) -> NDArray[np.float64]:
     """How far each cell lies from the map's centre in a direction, in cells."""
     i, j = np.indices(shape)
     return np.asarray((i - shape[0] / 2) * np.cos(angle) + (j - shape[1] / 2) * np.sin(angle))
+
+
+def sensor_noise(heights: NDArray[np.float32], resolution: float, rng: np.random.Generator) -> NDArray[np.float32]:
+    """What to add to local maps (n, 40, 40): the D435's noise of the depth for every cell, and a plane of drift per map.
+
+    A stand-in for `depth_camera_reading` that makes whole batches at once: the camera is at the hip, edges stay put.
+
+    heights: relative to the hip point, NaN = unknown, in [m]. resolution: side of a cell, in [m].
+    """
+    count, rows, columns = heights.shape
+    offsets = cell_offsets(rows, resolution)
+    floor, growth, nearest = AXIAL
+    distance = np.sqrt(np.sum(offsets**2, axis=-1) + heights.astype(np.float64) ** 2)
+    noise = rng.normal(size=(count, rows, columns)) * (floor + growth * (distance - nearest) ** 2)
+    slopes = rng.normal(0, DRIFT_SLOPE, (count, 2))
+    drift = rng.normal(0, DRIFT_HEIGHT, (count, 1, 1)) + np.einsum("ijk,nk->nij", offsets, slopes)
+    return np.asarray(noise + drift, dtype=np.float32)

@@ -1,6 +1,7 @@
 """A run of two untrained networks, whose normalisations are as uneven as after a training, and its export."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,34 +12,51 @@ from torch import nn
 
 from footsel.exporting import export_run as export_run_module
 from footsel.exporting.export_run import export_run
+from footsel.exporting.trial_maps import trial_maps
 from footsel.footholds import LegLayout
+from footsel.learning.build import build_network
 from footsel.learning.checkpoint import save_model
-from footsel.learning.erfnet import ERFNet
+from footsel.learning.network import FootholdNetwork
 from footsel.learning.recipe import Recipe
 
 PARITY_MAPS = 60
 
 
-def uneven_network(seed: int, planes: int = 4) -> ERFNet:
+def uneven_network(seed: int, layout: LegLayout, recipe: str = "footsel") -> FootholdNetwork:
     """Logits that spread over several units, negative and positive scales in every normalisation."""
     torch.manual_seed(seed)
-    network = ERFNet(planes)
+    network = build_network(used_recipe(recipe), layout)
     for module in network.modules():
         if isinstance(module, nn.BatchNorm2d):
             nn.init.uniform_(module.weight, -0.5, 1.5)
             nn.init.normal_(module.bias, 0, 0.5)
             module.running_mean.normal_(0, 0.3)
             module.running_var.uniform_(0.02, 0.5)
-    nn.init.normal_(network.decoder[-1].weight, 0, 0.4)
-    return network.eval()
+    nn.init.normal_(network.get_parameter(network.class_bias.replace("bias", "weight")), 0, 0.4)
+    network.eval()
+    maps = trial_maps(layout, "LF", 20, seed=seed)
+    encoding = Recipe.load(recipe).encoding(layout.height_range)
+    with torch.no_grad():
+        logits = network(torch.from_numpy(encoding.encode(maps.heights, maps.roll, maps.pitch)))
+        # Every class is the likeliest somewhere.
+        network.get_parameter(network.class_bias).sub_(logits.mean(dim=(0, 2, 3)))
+    return network
 
 
-def write_run(run: Path, layout: LegLayout, recipe: str = "footsel", **changes: object) -> Mapping[str, ERFNet]:
+def used_recipe(name: str) -> Recipe:
+    """With a second output, where there can be one."""
+    recipe = Recipe.load(name)
+    return replace(recipe, reason_weight=0.3) if recipe.architecture == "footnet" else recipe
+
+
+def write_run(
+    run: Path, layout: LegLayout, recipe: str = "footsel", **changes: object
+) -> Mapping[str, FootholdNetwork]:
     """The files of `footsel train` that an export reads."""
     networks = {}
     for seed, pair in enumerate(("front", "hind")):
-        used = Recipe.load(recipe)
-        network = networks[pair] = uneven_network(seed, len(used.planes))
+        used = used_recipe(recipe)
+        network = networks[pair] = uneven_network(seed, layout, recipe)
         info: dict[str, Any] = {
             "robot": "anymal_b",
             "pair": pair,

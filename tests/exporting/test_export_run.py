@@ -20,13 +20,17 @@ from footsel.exporting.model_card import model_card
 from footsel.exporting.parity import TIE
 from footsel.exporting.trial_maps import trial_maps
 from footsel.footholds import DISTANCE_WEIGHT
-from footsel.learning.checkpoint import load_network
+from footsel.learning.checkpoint import load_network, read_model
+from footsel.learning.learner import Learner
+from footsel.learning.recipe import Recipe
+from footsel.learning.warm_start import start_from
 from footsel.legs import PAIRS, TRAINED_LEG
 from footsel.runtime import FootholdSelector, Network
 from footsel.terrain.courses import make_course
 
 FILES = {"front.onnx", "hind.onnx", "front.int8.onnx", "hind.int8.onnx"}
-PAPERS = {"model_card.md", "metrics.json", "parity.json"}
+WEIGHTS = {"front.safetensors", "hind.safetensors"}
+PAPERS = {"model_card.md", "metrics.json", "parity.json", *WEIGHTS}
 
 
 def test_the_folder_holds_what_a_release_holds(released):
@@ -58,6 +62,18 @@ def test_torch_and_onnxruntime_agree_on_500_maps(released, anymal_layout, pair):
     assert len(np.unique(expected.argmax(axis=1))) >= 4
 
 
+def test_a_training_can_go_on_from_the_folder(released, anymal_layout):
+    info = read_model(released.out / "front.safetensors")[1]
+    assert info["pair"] == "front" and info["dataset_sha256"] == "ab" * 32
+    learner = Learner(Recipe.from_dict(info["recipe"]), anymal_layout, np.ones(14, dtype=np.float32), seed=9)
+    start_from(learner, released.out, "front")
+    maps = torch.rand(5, 4, 40, 40)
+    with torch.no_grad():
+        found, expected = learner.usable_network()(maps), released.networks["front"](maps)
+    # The released weights are rounded to bfloat16.
+    assert (found - expected).abs().mean() < 0.02 * expected.std()
+
+
 def test_the_parity_report(released):
     report = json.loads((released.out / "parity.json").read_text())
     for pair in PAIRS:
@@ -74,7 +90,7 @@ def test_the_parity_report(released):
 def test_an_export_that_differs_is_refused_and_leaves_nothing(released, monkeypatch, tmp_path):
     def spoiled(*_):
         model = onnx.load(released.out / "front.onnx")
-        bias = next(tensor for tensor in model.graph.initializer if tensor.name == "decoder.6.bias")
+        bias = next(tensor for tensor in model.graph.initializer if tensor.name == "head.bias")
         wrong = onnx.numpy_helper.to_array(bias) + 0.1 * np.eye(14, dtype=np.float32)[0]
         bias.CopyFrom(onnx.numpy_helper.from_array(wrong, bias.name))
         return model

@@ -14,24 +14,32 @@ def parameters(network):
     return sum(parameter.numel() for parameter in network.parameters())
 
 
-def test_every_logit_stays(makers):
-    network = makers.uneven_network(0)
-    maps = torch.rand(20, 4, 40, 40)
+@pytest.mark.parametrize("recipe", ["paper", "footsel"])
+def test_every_logit_stays(makers, anymal_layout, recipe):
+    network = makers.uneven_network(0, anymal_layout, recipe)
+    maps = torch.rand(20, network.in_channels, 40, 40)
     with torch.no_grad():
-        expected, found = network(maps), simplified(network, 4)(maps)
-    assert expected.std() > 1
+        expected, found = network(maps), simplified(network, network.in_channels)(maps)
+    assert expected.std() > 0.2
     torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-4)
 
 
-def test_the_network_itself_is_untouched(makers):
-    network = makers.uneven_network(0)
+def test_what_was_for_training_alone_is_gone(makers, anymal_layout):
+    network = makers.uneven_network(0, anymal_layout)
+    assert "reason_head.weight" in network.state_dict()
+    assert "reason_head.weight" not in simplified(network, 4).state_dict()
+
+
+def test_the_network_itself_is_untouched(makers, anymal_layout):
+    network = makers.uneven_network(0, anymal_layout)
     before = copy.deepcopy(network.state_dict())
     simplified(network, 4)
+    assert before.keys() == network.state_dict().keys()
     assert all(torch.equal(value, before[name]) for name, value in network.state_dict().items())
 
 
-def test_erfnet_loses_the_outer_taps_of_dilations_8_and_16(makers):
-    network = makers.uneven_network(0, planes=1)
+def test_erfnet_loses_the_outer_taps_of_dilations_8_and_16(makers, anymal_layout):
+    network = makers.uneven_network(0, anymal_layout, "paper")
     maps = torch.rand(5, 1, 40, 40)
     with torch.no_grad():
         expected = network(maps)
@@ -74,8 +82,9 @@ def test_taps_that_see_the_map_stay():
     assert trim_padding_taps(network, torch.zeros(1, 1, 5, 5)) == 0
 
 
-def test_a_folded_downsampler_is_the_downsampler(makers):
-    source = next(m for m in makers.uneven_network(1).encoder[1:] if isinstance(m, Downsampler))
+def test_a_folded_downsampler_is_the_downsampler(makers, anymal_layout):
+    network = makers.uneven_network(1, anymal_layout, "paper")
+    source = next(m for m in network.encoder[1:] if isinstance(m, Downsampler))
     folded = FoldedDownsampler(source)
     maps = torch.randn(3, 16, 10, 10)
     with torch.no_grad():

@@ -1,4 +1,4 @@
-"""A small set of maps with a rule that ERFNet can learn: no oracle needed, made in milliseconds."""
+"""A small set of maps with a rule that a network can learn: no oracle needed, made in milliseconds."""
 
 import numpy as np
 import pytest

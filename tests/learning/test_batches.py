@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from footsel.footholds.encoding import PLANES, InputEncoding
-from footsel.learning.batches import BatchEncoder, label_classes, shuffled_batches
+from footsel.learning.batches import BatchEncoder, shuffled_batches
 from footsel.learning.loss import class_shares, class_weights
 
 
@@ -19,11 +19,6 @@ def test_encoding_by_table_equals_the_runtimes(samples, planes, quantised):
     batch = BatchEncoder(encoding)(samples)
     np.testing.assert_array_equal(batch.numpy(), encoding.encode(samples.heights(), samples.roll, samples.pitch))
     assert batch.is_contiguous(memory_format=torch.channels_last)
-
-
-def test_labels_are_the_papers_classes(samples):
-    samples.cost[0, 0, :5] = [0, 19, 20, 254, 255]
-    assert label_classes(samples)[0, 0, :5].tolist() == [0, 0, 1, 12, 13]
 
 
 def test_an_epoch_visits_every_map_once_in_an_order_of_its_own():

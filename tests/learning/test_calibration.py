@@ -3,25 +3,22 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import torch
 
-from footsel.footholds.encoding import InputEncoding
-from footsel.learning.erfnet import ERFNet
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
 
 
-def test_calibrated_weights_take_the_class_weights_out_of_the_odds() -> None:
-    recipe = Recipe.load("footsel")
+@pytest.mark.parametrize("name", ["paper", "footsel"])
+def test_calibrated_weights_take_the_class_weights_out_of_the_odds(layout, name) -> None:
     weight = np.linspace(1.5, 12.0, 14, dtype=np.float32)
-    encoding = InputEncoding(("height",))
     probabilities = {}
     for calibrated in (False, True):
-        learner = Learner(replace(recipe, calibrated=calibrated), encoding, weight, seed=0)
-        net = ERFNet(1)
-        net.load_state_dict(learner.weights())
+        learner = Learner(replace(Recipe.load(name), calibrated=calibrated), layout, weight, seed=0)
+        maps = torch.rand(1, learner.net.in_channels, 40, 40, generator=torch.manual_seed(1))
         with torch.no_grad():
-            probabilities[calibrated] = net.eval()(torch.rand(1, 1, 40, 40, generator=torch.manual_seed(1))).softmax(1)
+            probabilities[calibrated] = learner.usable_network()(maps).softmax(1)
     odds = probabilities[False] / probabilities[True]
     relative = odds / odds[:, :1]
     expected = torch.from_numpy(weight / weight[0]).reshape(1, -1, 1, 1)

@@ -74,6 +74,41 @@ def test_a_wrong_value_is_named(key, value):
         replace(Recipe.load("paper"), **{key: value})
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("architecture", "unet"),
+        ("widths", (16, 32, 64)),
+        ("widths", (48, 32, 32, 64)),
+        ("widths", (48, 0, 32, 64)),
+        ("blocks", (1, 2)),
+        ("blocks", (1, -1, 2)),
+        ("features", ("drops", "colour")),
+        ("ordinal", -1),
+        ("reason_weight", math.inf),
+        ("collision_weight", 0),
+        ("noise", -0.5),
+    ],
+)
+def test_a_wrong_network_or_loss_is_named(key, value):
+    with pytest.raises(InputError, match=f"{key[:6]}.*of recipe footsel"):
+        replace(Recipe.load("footsel"), **{key: value})
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("widths", (48, 16, 32, 64)), ("features", ("drops",)), ("reason_weight", 0.5)]
+)
+def test_erfnet_has_no_choices(key, value):
+    with pytest.raises(InputError, match=f"{key} of recipe paper .*ERFNet"):
+        replace(Recipe.load("paper"), **{key: value})
+
+
+def test_a_recipe_of_before_these_choices_is_erfnet_with_none_of_them():
+    values = Recipe.load("paper").to_dict()
+    new = ("architecture", "widths", "blocks", "features", "ordinal", "reason_weight", "collision_weight", "noise")
+    assert Recipe.from_dict({key: value for key, value in values.items() if key not in new}) == Recipe.load("paper")
+
+
 def test_decay_ends_where_500_epochs_would():
     paper = Recipe.load("paper")
     assert decay_per_epoch(paper) == pytest.approx(0.98)

@@ -26,6 +26,8 @@ from footsel.learning.recipe import Recipe
 from footsel.learning.train import fit
 
 QUICK = {name: replace(Recipe.load(name), epochs=2, batch_size=8) for name in ("paper", "footsel")}
+#: Everything that a recipe can ask for beside.
+QUICK["all"] = replace(QUICK["footsel"], ordinal=0.5, reason_weight=0.3, collision_weight=2.0, noise=1.0)
 
 
 def curve(folder):
@@ -45,7 +47,7 @@ def assert_same_run(one, other):
     assert ours.keys() == theirs.keys() and all(torch.equal(ours[name], theirs[name]) for name in ours)
 
 
-@pytest.mark.parametrize("name", ["paper", "footsel"])
+@pytest.mark.parametrize("name", QUICK)
 def test_loss_falls_and_the_run_says_what_it_is(data, tmp_path, name):
     # A rate high enough for thirty updates on a handful of maps, and none of the paper's decay over 500 epochs.
     recipe = replace(QUICK[name], epochs=10, learning_rate=5e-3, ema_decay=min(QUICK[name].ema_decay, 0.9), decay=1.0)
@@ -71,7 +73,7 @@ class KilledError(Exception):
     pass
 
 
-@pytest.mark.parametrize("name", ["paper", "footsel"])
+@pytest.mark.parametrize("name", QUICK)
 @pytest.mark.parametrize("checkpoints", [2, 5])  # within the first epoch; right after it and one batch
 def test_a_resumed_training_is_the_uninterrupted_one(data, tmp_path, monkeypatch, name, checkpoints):
     fit(data, tmp_path / "whole", QUICK[name], seed=4)
@@ -111,7 +113,7 @@ fit(data, Path({out!r}), Recipe.from_dict(json.loads({recipe!r})), checkpoint_se
 
 def test_kill_minus_nine_loses_nothing(data, tmp_path):
     """The process dies at a random moment of its second epoch, perhaps while it writes."""
-    recipe = QUICK["footsel"]
+    recipe = QUICK["all"]
     program = CHILD.format(
         tests=str(Path(__file__).parent),
         layout=json.dumps(data.layout.to_dict()),
@@ -138,6 +140,15 @@ def test_another_seed_is_another_training(data, tmp_path):
     for seed in (0, 1):
         fit(data, tmp_path / str(seed), recipe, seed=seed)
     assert curve(tmp_path / "0") != curve(tmp_path / "1")
+
+
+def test_noise_makes_another_training_whose_labels_are_the_same(data, tmp_path):
+    recipe = replace(QUICK["footsel"], epochs=1)
+    heights = data.training.heights_tenth_mm.copy()
+    for noise in (0.0, 3.0):
+        fit(data, tmp_path / str(noise), replace(recipe, noise=noise))
+    assert curve(tmp_path / "0.0") != curve(tmp_path / "3.0")
+    assert np.array_equal(data.training.heights_tenth_mm, heights)
 
 
 def test_a_folder_holds_one_training(data, tmp_path):

@@ -1,98 +1,134 @@
-"""A training goes on from a released model: the same function before the first update, in both modes of the norms."""
+"""A training goes on from another's weights: the same function before the first update, from a run or a release."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
-from torch import nn
 
 from footsel.errors import ModelError
-from footsel.footholds.encoding import InputEncoding
-from footsel.learning import warm_start
+from footsel.learning.checkpoint import load_network, released_weights
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
-from footsel.learning.warm_start import lineage, start_from_release
-from footsel.runtime.model_folder import find_model_folder, load_networks
+from footsel.learning.train import fit
+from footsel.learning.warm_start import find_weights, lineage, start_from
+from footsel.runtime.model_folder import SUMS_FILE
 
 WEIGHTS = np.linspace(1.4, 13, 14, dtype=np.float32)
+RECIPES = {
+    "paper": replace(Recipe.load("paper"), epochs=1, batch_size=8),
+    "footsel": replace(Recipe.load("footsel"), epochs=1, batch_size=8, reason_weight=0.2),
+}
 
 
-@pytest.fixture(scope="module")
-def released():
-    return load_networks(find_model_folder("anymal_b"))["hind"]
+@pytest.fixture(params=RECIPES)
+def recipe(request):
+    return RECIPES[request.param]
 
 
 @pytest.fixture
-def learner(released):
-    return Learner(Recipe.load("footsel"), released.contract.encoding, WEIGHTS, seed=3)
+def run(data, recipe, tmp_path):
+    fit(data, tmp_path / "run" / "front", recipe)
+    return tmp_path / "run"
 
 
-def released_probabilities(released, samples):
-    return released.probabilities(samples.heights(), samples.roll, samples.pitch)
+@pytest.fixture
+def release(run, tmp_path):
+    """A model folder, as far as a training looks into it."""
+    net, info = load_network(run / "front")
+    (tmp_path / "release").mkdir()
+    (tmp_path / "release" / SUMS_FILE).write_text("")
+    (tmp_path / "release" / "front.safetensors").write_bytes(released_weights(net.state_dict(), info))
+    return tmp_path / "release"
 
 
-def test_the_weights_to_use_are_the_release_s_function(learner, released, samples):
-    start_from_release(learner, "anymal_b", "hind", samples)
-    net = learner.net
-    net.load_state_dict(dict(learner.weights()))
+def logits(net, maps):
     with torch.inference_mode():
-        logits = net.eval()(learner.encode(samples))
-    expected = released_probabilities(released, samples)
-    np.testing.assert_allclose(torch.softmax(logits, 1).numpy(), expected, atol=2e-4)
+        return net(maps)
 
 
-def test_batch_statistics_give_the_same_as_running_ones(learner, samples):
-    start_from_release(learner, "anymal_b", "hind", samples)
-    encoded = learner.encode(samples)
-    with torch.inference_mode():
-        running = learner.net.eval()(encoded)
-        learner.net.train()
-        for module in learner.net.modules():
-            if isinstance(module, nn.Dropout2d):
-                module.eval()
-        by_batch = learner.net(encoded)
-    assert (running - by_batch).abs().max() < 1e-2 * running.abs().max()
+def test_the_weights_to_use_are_those_of_the_run(run, recipe, layout, samples):
+    learner = Learner(recipe, layout, WEIGHTS, seed=3)
+    maps = learner.encode(samples)
+    expected = logits(load_network(run / "front")[0], maps)
+    assert (logits(learner.usable_network(), maps) - expected).abs().max() > 0.1
+    start_from(learner, run, "front")
+    torch.testing.assert_close(logits(learner.usable_network(), maps), expected, rtol=1e-4, atol=1e-4)
 
 
-def test_training_begins_with_the_tilt_of_the_class_weights(learner, samples):
-    start_from_release(learner, "anymal_b", "hind", samples)
-    tilt = learner.net.decoder[-1].bias.detach() - learner.weights()["decoder.6.bias"]
-    np.testing.assert_allclose(tilt.numpy(), np.log(WEIGHTS), rtol=1e-5)
+def test_training_begins_with_the_tilt_of_the_class_weights(run, recipe, layout):
+    learner = Learner(replace(recipe, calibrated=True), layout, WEIGHTS, seed=3)
+    start_from(learner, run, "front")
+    bias = learner.net.class_bias
+    tilt = learner.net.get_parameter(bias).detach() - learner.weights()[bias]
+    np.testing.assert_allclose(tilt.numpy(), np.log(WEIGHTS), rtol=1e-4)
 
 
-def test_the_first_loss_is_that_of_a_trained_network(learner, samples, monkeypatch):
-    """And a norm left as it was initialised would be noticed."""
-    encoding = learner.encode.encoding
-
-    def first_loss():
-        fresh = Learner(Recipe.load("footsel"), encoding, WEIGHTS, seed=3)
-        start_from_release(fresh, "anymal_b", "hind", samples)
-        fresh.net.load_state_dict(dict(fresh.weights()))
-        with torch.inference_mode():
-            return fresh.net.eval()(fresh.encode(samples))
-
-    good = first_loss()
-    monkeypatch.setattr(nn.Module, "register_forward_pre_hook", lambda *_: _Nothing())
-    assert (first_loss() - good).abs().max() > 0.1
+def test_a_release_s_weights_are_half_as_large_and_nearly_the_same(run, release, recipe, layout, samples):
+    learner = Learner(recipe, layout, WEIGHTS, seed=3)
+    maps = learner.encode(samples)
+    start_from(learner, release, "front")
+    net = load_network(run / "front")[0]
+    for name, tensor in learner.usable_network().state_dict().items():
+        torch.testing.assert_close(tensor, net.state_dict()[name], rtol=2**-8, atol=1e-5)
+    expected = logits(net, maps)
+    assert (logits(learner.usable_network(), maps) - expected).abs().max() < 0.05 * expected.abs().max()
+    sizes = [path.stat().st_size for path in (release / "front.safetensors", run / "front" / "model.safetensors")]
+    assert sizes[0] < 0.6 * sizes[1]
 
 
-class _Nothing:
-    def remove(self):
-        pass
+def test_every_place_of_weights_is_found(run, release):
+    model = run / "front" / "model.safetensors"
+    assert find_weights(run, "front") == find_weights(run / "front", "front") == find_weights(model, "front") == model
+    assert find_weights(release, "front") == release / "front.safetensors"
+    with pytest.raises(ModelError, match="no weights to go on from"):
+        find_weights(release, "hind")
+    with pytest.raises(ModelError, match="no model"):
+        find_weights(run / "nowhere", "front")
 
 
-def test_lineage_names_file_and_data(released):
-    said = lineage("anymal_b", "hind")
-    assert said["dataset_sha256"] == released.contract.dataset_sha256
-    assert len(said["sha256"]) == 64 and said["sha256"] != lineage("anymal_b", "front")["sha256"]
+def test_a_run_says_what_it_began_with(data, run, recipe, tmp_path):
+    said = lineage(run, "front")
+    assert len(said["sha256"]) == 64 and said["dataset_sha256"] == "0" * 64 and said["epochs"] == 1
+    assert said["recipe"] == recipe.name and said["started_from"] is None
+    second = fit(data, tmp_path / "second" / "front", recipe, start=run)
+    assert second["started_from"] == said
+    # And what that had begun with.
+    assert lineage(tmp_path / "second", "front")["started_from"] == said
+    with pytest.raises(ModelError, match="trained for the front legs, not hind"):
+        lineage(run / "front", "hind")
 
 
-def test_other_planes_are_refused(samples):
-    learner = Learner(Recipe.load("paper"), InputEncoding(), WEIGHTS, seed=0)
-    with pytest.raises(ModelError, match="planes"):
-        start_from_release(learner, "anymal_b", "front", samples)
+def test_a_second_sitting_is_resumed_like_any_other(data, run, recipe, tmp_path):
+    """The start is read once; what is resumed is the checkpoint."""
+    longer = replace(recipe, epochs=2)
+    whole = fit(data, tmp_path / "whole", longer, start=run)
+    assert fit(data, tmp_path / "whole", longer, resume=True, start=run) == whole
 
 
-def test_another_architecture_is_refused(learner, samples, monkeypatch):
-    monkeypatch.setattr(warm_start, "_unfold", lambda *_: {}["encoder.0.convolution.weight"])
-    with pytest.raises(ModelError, match="no plain ERFNet"):
-        start_from_release(learner, "anymal_b", "front", samples)
+@pytest.mark.parametrize(
+    ("key", "value"), [("planes", ("height", "unknown")), ("widths", (16, 8, 16, 24)), ("features", ("drops",))]
+)
+def test_another_network_is_refused(data, layout, tmp_path, key, value):
+    fit(data, tmp_path / "front", RECIPES["footsel"])
+    learner = Learner(replace(RECIPES["footsel"], **{key: value}), layout, WEIGHTS, seed=0)
+    with pytest.raises(ModelError, match=f"has {key} .* the recipe"):
+        start_from(learner, tmp_path, "front")
+
+
+def test_the_reasons_may_come_and_go(data, layout, tmp_path, samples):
+    """They are for training: weights with them serve a recipe without, and the other way round."""
+    for before, after in ((0.2, 0.0), (0.0, 0.2)):
+        folder = tmp_path / str(before)
+        fit(data, folder / "front", replace(RECIPES["footsel"], reason_weight=before))
+        learner = Learner(replace(RECIPES["footsel"], reason_weight=after), layout, WEIGHTS, seed=0)
+        start_from(learner, folder, "front")
+        maps = learner.encode(samples)
+        expected = logits(load_network(folder / "front")[0], maps)
+        torch.testing.assert_close(logits(learner.usable_network(), maps), expected, rtol=1e-4, atol=1e-4)
+
+
+def test_weights_that_do_not_fit_are_named(layout, recipe):
+    learner = Learner(recipe, layout, WEIGHTS, seed=0)
+    with pytest.raises(RuntimeError, match="do not fit"):
+        learner.adopt({name: tensor for name, tensor in learner.weights().items() if "0.convolution" not in name})

@@ -1,0 +1,17 @@
+"""The network that a recipe asks for."""
+
+from footsel.footholds import LegLayout
+from footsel.learning.erfnet import ERFNet
+from footsel.learning.footnet import FootNet
+from footsel.learning.network import FootholdNetwork
+from footsel.learning.recipe import Recipe
+
+
+def build_network(recipe: Recipe, layout: LegLayout) -> FootholdNetwork:
+    """With random weights, from torch's global generator.
+
+    layout: of the robot, whose cell size, height range and foot FootNet's fixed layers are made for.
+    """
+    if recipe.architecture == "erfnet":
+        return ERFNet(len(recipe.planes))
+    return FootNet(recipe.planes, layout, recipe.widths, recipe.blocks, recipe.features, recipe.reason_weight > 0)
