@@ -1,10 +1,12 @@
 """Train the networks of a dataset: a checkpoint, the model and its learning curves for each pair of legs."""
 
 import argparse
+import os
+from functools import partial
 from pathlib import Path
 
 from footsel.cli.numbers import positive_number, whole_number
-from footsel.cli.options import add_pairs, add_seed, needing, output_folder
+from footsel.cli.options import add_jobs, add_pairs, add_seed, needing, output_folder
 
 HELP = "networks from a dataset"
 
@@ -24,19 +26,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--from",
         dest="start",
         metavar="MODEL",
-        help="begin with the weights of this released model, by name or folder (default: at random)",
+        help="begin with the weights of this run, released model or .safetensors file (default: at random)",
     )
     parser.add_argument(
-        "--threads", type=whole_number(1), default=1, metavar="N", help="CPU threads (default: %(default)s)"
+        "--threads", type=whole_number(1), default=1, metavar="N", help="CPU threads of each (default: %(default)s)"
     )
+    add_jobs(parser)
     add_seed(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train one pair after the other."""
+    """Train all pairs, side by side if there are cores for it."""
     with needing("footsel train", "train"):
         from footsel.dataset import open_dataset
         from footsel.learning.recipe import Recipe
+        from footsel.learning.side_by_side import in_turn, side_by_side
         from footsel.learning.train import train
 
     recipe = Recipe.load(args.recipe)
@@ -44,19 +48,21 @@ def run(args: argparse.Namespace) -> int:
     pairs = args.legs or dataset.pairs
     for pair in pairs:
         dataset.shard_count(pair)  # Raises for a pair that the dataset lacks, before hours go into another one.
-    for pair in pairs:
-        info = train(
-            args.dataset,
-            args.out,
-            pair,
-            recipe,
-            resume=args.resume,
-            epochs=args.epochs,
-            seed=args.seed,
-            threads=args.threads,
-            learning_rate=args.learning_rate,
-            start=args.start,
-        )
+    train_pair = partial(
+        train,
+        args.dataset,
+        args.out,
+        recipe=recipe,
+        resume=args.resume,
+        epochs=args.epochs,
+        seed=args.seed,
+        threads=args.threads,
+        learning_rate=args.learning_rate,
+        start=args.start,
+    )
+    processes = args.jobs if args.jobs > 0 else (os.cpu_count() or 1)
+    trained = side_by_side(train_pair, pairs) if min(processes, len(pairs)) > 1 else in_turn(train_pair, pairs)
+    for pair, info in trained:
         cells = info["validation"]["cells_likeliest"]
         print(f"{pair}: {info['epochs_done']} epochs, validation accuracy {cells['accuracy']:.3f}, {args.out / pair}")
     print(f"next: footsel export {args.out} MODEL")
