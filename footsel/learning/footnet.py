@@ -15,6 +15,7 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.footholds.reasons import REASON_NAMES
+from footsel.learning.along_leg import AlongLeg
 from footsel.learning.erfnet import BATCH_NORM_EPS, Downsampler, NonBottleneck1d
 from footsel.learning.float32 import float32
 from footsel.learning.network import FootholdNetwork
@@ -36,7 +37,7 @@ class FootNet(FootholdNetwork):
     """
 
     class_bias = "head.bias"
-    exact_parts = ("drops", "rises", "known_shares", "from_itself")
+    exact_parts = ("drops", "rises", "known_shares", "along_leg", "from_itself")
 
     def __init__(
         self,
@@ -53,10 +54,12 @@ class FootNet(FootholdNetwork):
         self.drops = Drops(layout.height_range) if "drops" in features else None
         self.rises = Rises(layout.height_range) if "rises" in features else None
         self.place = Place(layout) if "place" in features else None
+        self.along_leg = AlongLeg(layout) if "along_leg" in features else None
 
         # One layer over all that a cell knows, in parts: in onnxruntime a sum costs less than joining the parts.
         self.known_shares = KnownShares()
-        itself = self.in_channels + KnownShares.CHANNELS + (Place.CHANNELS if self.place is not None else 0)
+        itself = self.in_channels + KnownShares.CHANNELS
+        itself += sum(layer.CHANNELS for layer in (self.place, self.along_leg) if layer is not None)
         self.from_itself = nn.Conv2d(itself, hidden, 1)
         self.from_relief = nn.ModuleList(nn.Conv2d(layer.CHANNELS, hidden, 1, bias=False) for layer in self._relief())
         self.join = nn.Sequential(
@@ -103,6 +106,8 @@ class FootNet(FootholdNetwork):
             if self.place is not None:
                 roll, pitch = (self._plane(maps, name)[:, :, :1, :1] for name in ("roll", "pitch"))
                 itself.append(self.place(depth, roll, pitch))
+                if self.along_leg is not None:
+                    itself.append(self.along_leg(itself[-1], depth, known))
             cells: Tensor = self.from_itself(torch.cat(itself, dim=1))
         for layer, weigh in zip(self._relief(), self.from_relief, strict=True):
             cells = cells + weigh(layer(depth, known))

@@ -18,7 +18,7 @@ else:
 
 #: footsel.learning.erfnet, footsel.learning.footnet. What the latter sees beside the input planes.
 ARCHITECTURES = ("erfnet", "footnet")
-FEATURES = ("drops", "rises", "place")
+FEATURES = ("drops", "rises", "place", "along_leg")
 
 #: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
 RECIPES = ("paper", "footsel")
@@ -110,6 +110,8 @@ class Recipe:
         for feature in self.features:
             if feature not in FEATURES:
                 raise UnknownNameError(f"feature of recipe {self.name}", feature, FEATURES)
+        placed = "along_leg" not in self.features or "place" in self.features
+        self._check("features", placed, '"place" with "along_leg", which builds on it')
 
     def _check(self, key: str, good: bool, expected: str) -> None:
         if not good:

@@ -67,11 +67,10 @@ def test_a_training_can_go_on_from_the_folder(released, anymal_layout):
     assert info["pair"] == "front" and info["dataset_sha256"] == "ab" * 32
     learner = Learner(Recipe.from_dict(info["recipe"]), anymal_layout, np.ones(14, dtype=np.float32), seed=9)
     start_from(learner, released.out, "front")
-    maps = torch.rand(5, 4, 40, 40)
-    with torch.no_grad():
-        found, expected = learner.usable_network()(maps), released.networks["front"](maps)
-    # The released weights are rounded to bfloat16.
-    assert (found - expected).abs().mean() < 0.02 * expected.std()
+    # Kernels are released in bfloat16, everything else as it is.
+    for name, tensor in released.networks["front"].state_dict().items():
+        expected = tensor.bfloat16().float() if tensor.ndim == 4 else tensor
+        assert torch.equal(learner.weights()[name], expected), name
 
 
 def test_the_parity_report(released):

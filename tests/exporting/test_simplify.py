@@ -20,7 +20,7 @@ def test_every_logit_stays(makers, anymal_layout, recipe):
     maps = torch.rand(20, network.in_channels, 40, 40)
     with torch.no_grad():
         expected, found = network(maps), simplified(network, network.in_channels)(maps)
-    assert expected.std() > 0.2
+    assert expected.std() > 0.1  # A thousand times what is allowed below.
     torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-4)
 
 

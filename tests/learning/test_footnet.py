@@ -42,7 +42,7 @@ def test_places_are_foot_centres_in_base_axes(layout, bfloat16):
         np.testing.assert_allclose(place[index, 3:].permute(1, 2, 0).numpy() * 0.85, offsets[index], atol=1e-6)
 
 
-@pytest.mark.parametrize("features", [(), ("drops",), ("rises", "place"), FEATURES])
+@pytest.mark.parametrize("features", [(), ("drops",), ("rises", "place"), ("place", "along_leg"), FEATURES])
 @pytest.mark.parametrize("planes", [("height",), PLANES])
 def test_every_cell_gets_fourteen_logits(layout, features, planes):
     net = network(layout, features, planes)
@@ -54,7 +54,9 @@ def test_every_cell_gets_fourteen_logits(layout, features, planes):
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_a_feature_that_is_left_out_is_gone(layout, feature):
-    whole, without = network(layout), network(layout, [name for name in FEATURES if name != feature])
+    builds_on_it = {"place": {"along_leg"}}.get(feature, set())
+    without = network(layout, [name for name in FEATURES if name not in {feature, *builds_on_it}])
+    whole = network(layout)
     assert getattr(whole, feature) is not None and getattr(without, feature) is None
     count = [sum(p.numel() for p in net.parameters()) for net in (whole, without)]
     assert count[1] < count[0]
