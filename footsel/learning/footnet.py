@@ -21,7 +21,7 @@ from footsel.learning.float32 import float32
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES
-from footsel.learning.relief import Drops, KnownShares, Rises
+from footsel.learning.relief import Drops, FootSurface, KnownShares, Rises
 
 #: Dilations of the residual layers of one stage, repeated as needed; the map ends 5 cells from the middle at 10x10.
 DILATIONS = (1, 2, 4, 2)
@@ -37,7 +37,7 @@ class FootNet(FootholdNetwork):
     """
 
     class_bias = "head.bias"
-    exact_parts = ("drops", "rises", "known_shares", "along_leg", "from_itself")
+    exact_parts = ("foot_surface", "drops", "rises", "known_shares", "along_leg", "from_itself")
 
     def __init__(
         self,
@@ -51,6 +51,7 @@ class FootNet(FootholdNetwork):
         super().__init__(len(planes))
         self._planes = tuple(planes)
         hidden, fine, middle, coarse = widths
+        self.foot_surface = FootSurface(layout)
         self.drops = Drops(layout.height_range) if "drops" in features else None
         self.rises = Rises(layout.height_range) if "rises" in features else None
         self.place = Place(layout) if "place" in features else None
@@ -109,8 +110,9 @@ class FootNet(FootholdNetwork):
                 if self.along_leg is not None:
                     itself.append(self.along_leg(itself[-1], depth, known))
             cells: Tensor = self.from_itself(torch.cat(itself, dim=1))
+        foot = self.foot_surface(depth, known)
         for layer, weigh in zip(self._relief(), self.from_relief, strict=True):
-            cells = cells + weigh(layer(depth, known))
+            cells = cells + weigh(layer(foot if layer is self.drops else depth, known))
         return cells
 
     def _relief(self) -> list[Drops | Rises]:

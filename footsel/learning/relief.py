@@ -10,6 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from footsel.footholds import LegLayout
 from footsel.learning.float32 import float32
 
 #: A drop counts up to this, as in the terrain cost. [m]
@@ -18,6 +19,30 @@ LARGEST_DROP = 0.05
 LARGEST_RISE = 0.3
 #: Rises are taken from the highest cell of blocks this wide, at this many rings of blocks around the cell. [cells]
 RISE_BLOCKS = ((3, 1), (5, 1), (9, 1))
+
+
+class FootSurface(nn.Module):
+    """Depth of the lowest point of a foot that touches the ground from above each cell: what the terrain cost sees.
+
+    As footsel.oracle.terrain_cost.foot_surface for maps of the layout's cell size: the foot, a ball, rests on its cell
+    or on one of the eight around, where it reaches less far down. Unknown cells hold no foot.
+    """
+
+    def __init__(self, layout: LegLayout) -> None:
+        super().__init__()
+        aside = torch.tensor([[a * a + b * b for b in (-1, 0, 1)] for a in (-1, 0, 1)]).double() * layout.resolution**2
+        sinking = layout.foot_radius - (layout.foot_radius**2 - aside).clamp(min=0).sqrt()
+        # Beside the foot there is nothing to rest on: deeper than the image goes.
+        sinking = torch.where(aside < layout.foot_radius**2, sinking / layout.height_range, 1.0)
+        self.register_buffer("sinking", sinking.float().reshape(9), persistent=False)
+        self.register_buffer("weight", torch.eye(9).reshape(9, 1, 3, 3), persistent=False)
+
+    def forward(self, depth: Tensor, known: Tensor) -> Tensor:
+        """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> the same shape."""
+        with float32():
+            height = (1 - depth) * known
+            touching = functional.conv2d(height, self.get_buffer("weight"), -self.get_buffer("sinking"), padding=1)
+            return 1 - touching.amax(dim=1, keepdim=True)
 
 
 class Drops(nn.Module):

@@ -18,9 +18,10 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from footsel.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -139,10 +140,10 @@ def foot_surface(heights: NDArray[np.floating], resolution: float) -> Array:
     return _foot_surface(np.ascontiguousarray(heights, dtype=np.float64), SPACING / resolution, TOUCHES)
 
 
-@numba.njit(cache=True)
+@compiled
 def _foot_surface(heights: Array, step: float, touches: Array) -> Array:  # pragma: no cover - compiled
     """step: distance between points of stencil and touches, in cells."""
-    surface = heights.copy()
+    surface: Array = heights.copy()
     for x, y, sinking in touches:
         beside = _shifted(heights, x * step, y * step)
         for i in range(surface.shape[0]):
@@ -153,7 +154,7 @@ def _foot_surface(heights: Array, step: float, touches: Array) -> Array:  # prag
     return surface
 
 
-@numba.njit(cache=True)
+@compiled
 def _features(surface: Array, step: float, stencil: Array) -> tuple[Array, Array, Array]:  # pragma: no cover - compiled
     rows, columns = surface.shape
     signed, absolute, known = np.zeros((3, rows, columns))
@@ -180,7 +181,7 @@ def _features(surface: Array, step: float, stencil: Array) -> tuple[Array, Array
     return signed, absolute, known / total
 
 
-@numba.njit(cache=True)
+@compiled
 def _shifted(surface: Array, x: float, y: float) -> Array:  # pragma: no cover - compiled
     """(n, m) height that each cell sees x and y cells away, bilinear; unknown if a cell that takes part is unknown."""
     low_i, low_j = int(np.floor(x + 1e-9)), int(np.floor(y + 1e-9))
@@ -202,7 +203,7 @@ def _shifted(surface: Array, x: float, y: float) -> Array:  # pragma: no cover -
     return seen
 
 
-@numba.njit(cache=True)
+@compiled
 def _costs(k1: Array, k2: Array, known: Array, gaussians: Array) -> Array:  # pragma: no cover - compiled
     costs = np.full(known.shape, np.nan)
     for i in range(known.shape[0]):
@@ -218,7 +219,7 @@ def _costs(k1: Array, k2: Array, known: Array, gaussians: Array) -> Array:  # pr
     return costs
 
 
-@numba.njit(cache=True)
+@compiled
 def _quality(k1: float, k2: float, gaussians: Array) -> float:  # pragma: no cover - compiled
     quality = 0.0
     for weight, c1, c2, s1, s2, r in gaussians:

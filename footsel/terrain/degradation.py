@@ -106,7 +106,7 @@ def _along(shape: tuple[int, ...], angle: float) -> NDArray[np.float64]:
 
 
 def sensor_noise(heights: NDArray[np.float32], resolution: float, rng: np.random.Generator) -> NDArray[np.float32]:
-    """What to add to local maps (n, 40, 40): the D435's noise of the depth for every cell, and a plane of drift per map.
+    """What to add to local maps (n, 40, 40): the D435's noise of the depth for every cell, and one plane of drift each.
 
     A stand-in for `depth_camera_reading` that makes whole batches at once: the camera is at the hip, edges stay put.
 

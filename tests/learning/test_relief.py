@@ -7,11 +7,13 @@ import torch
 
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning import relief
-from footsel.learning.relief import LARGEST_RISE, RISE_BLOCKS, Drops, KnownShares, Rises
+from footsel.learning.relief import LARGEST_RISE, RISE_BLOCKS, Drops, FootSurface, KnownShares, Rises
 from footsel.oracle import terrain_cost
-from footsel.oracle.terrain_cost import RING_WEIGHTS, terrain_features
+from footsel.oracle.terrain_cost import RING_WEIGHTS, foot_surface, terrain_features
+from footsel.robot import load_robot
 
-RANGE = 0.85
+ROBOT = load_robot("anymal_b")
+RANGE = ROBOT.layout.height_range
 NEIGHBOURS = [(i, j) for i in range(-2, 3) for j in range(-2, 3) if (i, j) != (0, 0)]
 
 
@@ -55,7 +57,8 @@ def test_the_terrain_features_of_the_label_follow(arithmetic):
     heights = rough(1)
     depth, known = inputs(heights)
     with arithmetic:
-        drops, shares = Drops(RANGE)(depth, known), KnownShares()(known)
+        drops = Drops(RANGE)(FootSurface(ROBOT.layout)(depth, known), known)
+        shares = KnownShares()(known)
     weight = torch.tensor([RING_WEIGHTS[max(abs(i), abs(j)) - 1] for i, j in NEIGHBOURS])[None, :, None, None]
     lower, higher = drops[:, :24], drops[:, 24:]
     counts = torch.tensor([8 * RING_WEIGHTS[0], 16 * RING_WEIGHTS[1]])
@@ -71,6 +74,18 @@ def test_the_terrain_features_of_the_label_follow(arithmetic):
             (known_share, share),
         ):
             np.testing.assert_allclose(found[index].numpy()[cells], expected[cells], atol=1e-4)
+
+
+def test_the_foot_s_surface_is_that_of_the_label(arithmetic):
+    """Unknown and outer cells hold no foot; above the depth where the image ends."""
+    heights = rough(2)
+    depth, known = inputs(heights)
+    with arithmetic:
+        found = FootSurface(ROBOT.layout)(depth, known)[:, 0].numpy()
+    for index in range(2):
+        expected = -foot_surface(heights[index], 0.02) / RANGE
+        cells = ~np.isnan(expected)
+        np.testing.assert_allclose(found[index][cells], expected[cells], atol=1e-6)
 
 
 def test_the_drop_ends_where_that_of_the_label_does():
