@@ -25,7 +25,7 @@ def model_card(
             "For every cell of a 40x40 local map under a leg, the cost of stepping there in thirteen classes, or that",
             "the cell is not feasible: out of kinematic range, in self-collision, in collision with terrain. One",
             "network serves the front legs, one the hind legs; each was trained for the left leg, the right one is",
-            "mirrored. The architecture is ERFNet, after Belter et al., ICRA 2019.",
+            f"mirrored. The architecture is {_ARCHITECTURES[infos['front']['recipe'].get('architecture', 'erfnet')]}.",
             "",
             "Made for `footsel.runtime.FootholdSelector`; all that it needs of the robot is in the files' metadata.",
             "",
@@ -37,6 +37,12 @@ def model_card(
             *_section("Remake it", _commands(infos, int8=any("int8" in reports for reports in parity.values()))),
         ]
     )
+
+
+_ARCHITECTURES = {
+    "erfnet": "ERFNet, after Belter et al., ICRA 2019",
+    "footnet": "FootNet, ERFNet's residual layers around fixed layers for what the label depends on",
+}
 
 
 def _section(title: str, lines: list[str]) -> list[str]:
