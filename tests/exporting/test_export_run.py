@@ -153,11 +153,12 @@ def test_the_graph_is_simplified_and_runs_on_the_oldest_onnxruntime(released):
 
 
 def test_the_card_says_what_was_run(released):
-    card = (released.out / "model_card.md").read_text()
+    card, epochs = (released.out / "model_card.md").read_text(), Recipe.load("footsel").epochs
     for words in (
         "# Foothold networks for anymal_b",
         "| training maps | 900 | 900 |",
-        "| epochs | 1 of 20 | 1 of 20 |",
+        f"| epochs | 1 of {epochs} | 1 of {epochs} |",
+        "The architecture is FootNet",
         "| recipe: schedule | one_cycle | one_cycle |",
         "87.50%",
         "| front | float32 | 60 |",
@@ -175,7 +176,7 @@ def test_the_paper_recipe_is_exported(makers, anymal_layout, tmp_path):
     contract = Network.from_bytes(exported.files["front.onnx"], "front.onnx").contract
     assert (contract.recipe, contract.encoding.planes, contract.encoding.quantised) == ("paper", ("height",), True)
     card = model_card({"front": info, "hind": info}, {}, {})
-    assert "does not see the base's tilt" in card
+    assert "does not see the base's tilt" in card and "The architecture is ERFNet" in card
 
 
 def test_a_new_export_replaces_the_old_one_whole(released, tmp_path, monkeypatch):
