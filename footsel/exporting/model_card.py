@@ -5,7 +5,7 @@ from typing import Any
 
 from footsel.exporting import card_figures
 from footsel.exporting.card_figures import table
-from footsel.learning.threshold import MOST_MISSED_IN_VALIDATION
+from footsel.learning.threshold import MOST_INFEASIBLE_PICKS, MOST_MISSED
 from footsel.legs import PAIRS, TRAINED_LEG
 
 
@@ -108,9 +108,8 @@ def _validation(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return [
         *lines,
         "",
-        "In bold the threshold in use, chosen on these maps: of those that leave at most "
-        f"{MOST_MISSED_IN_VALIDATION:.1%} of the maps",
-        "with a foothold without an answer (or, if none does, the fewest) the one with the fewest infeasible picks.",
+        "In bold the threshold, chosen on these maps to keep best to two limits, of which the worse counts: at most",
+        f"{MOST_INFEASIBLE_PICKS:.1%} of the picks infeasible, at most {MOST_MISSED:.0%} of the footholds missed.",
         "Infeasible is a share of the picks; false safe and false unsafe are shares of cells.",
         "",
         "### Confidence",
