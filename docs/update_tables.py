@@ -19,6 +19,7 @@ TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
 
 #: What writes a file of docs/results.
 COMMANDS = {
+    "ablations.json": "python docs/ablations.py",
     "bench.json": "make bench",
     "courses.json": "footsel compare",
     "dataset.json": "python docs/measure_dataset.py",
@@ -336,6 +337,60 @@ def landmarks() -> str:
     )
 
 
+def ablations_picks() -> str:
+    """Footholds of each row of ablations.json, where equally many are missed and at the row's own threshold."""
+    result = read(RESULTS / "ablations.json")
+    shares = list(result["rows"][0]["at_missed"])
+
+    def at(row: dict[str, Any], share: str) -> str:
+        found = row["at_missed"][share]
+        return "-" if found is None else f"{percent(found['infeasible_rate'])}, {number(found['regret_mean'])}"
+
+    rows = [
+        [
+            row["name"],
+            *(at(row, share) for share in shares),
+            f"{percent(row['picks']['infeasible_rate'])}, {number(row['picks']['regret_mean'])}",
+            percent(row["picks"]["missed_rate"]),
+        ]
+        for row in result["rows"]
+    ]
+    at_shares = [f"at {100 * float(share):.0f} % missed" for share in shares]
+    return table(["infeasible picks, mean regret", *at_shares, "at its threshold", "missed there"], rows)
+
+
+def ablations_cells() -> str:
+    """Cells of each row of ablations.json, and what it took."""
+    rows = [
+        [
+            row["name"],
+            percent(row["cells_likeliest"]["accuracy"]),
+            percent(row["cells_likeliest"]["accuracy_feasible"]),
+            percent(row["cells_likeliest"]["miou_present"]),
+            percent(row["cells"]["false_safe_rate"]),
+            percent(row["cells"]["false_unsafe_rate"]),
+            percent(row["cells"]["recall_by_reason"]["TERRAIN_COLLISION"]),
+            f"{row['parameters']:,}",
+            number(row["minutes"]),
+        ]
+        for row in read(RESULTS / "ablations.json")["rows"]
+    ]
+    figures = ["accuracy", "on feasible cells", "mean IoU", "false-safe", "false-unsafe", "terrain collisions found"]
+    return table(["cells", *figures, "parameters", "minutes"], rows)
+
+
+def ablations_conditions() -> str:
+    """What all rows of ablations.json have in common."""
+    result = read(RESULTS / "ablations.json")
+    training, test = result["training"]["config"], result["test"]["config"]
+    arithmetic = "bfloat16" if result["bfloat16"] else "float32"
+    return (
+        f"{result['budget']['maps']:,} maps for {result['budget']['epochs']} epochs if a row says nothing else, of a "
+        f"dataset of {training['maps']:,} (seed {training['seed']}); judged on {test['maps']:,} maps of seed "
+        f"{test['seed']}; one thread of {result['cpu']}, {arithmetic}."
+    )
+
+
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {
         "models": models,
@@ -348,6 +403,11 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "dataset": dataset,
     },
     "docs/dataset.md": {"dataset": dataset, "families": dataset_families},
+    "docs/learning.md": {
+        "conditions": ablations_conditions,
+        "picks": ablations_picks,
+        "cells": ablations_cells,
+    },
     "docs/oracle.md": {
         "explanation": explanation,
         "verify": verify,

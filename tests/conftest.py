@@ -1,8 +1,9 @@
-"""Fixtures of several rooms: a leg layout, and small ONNX models whose every output is known."""
+"""Fixtures of several rooms: a leg layout, small ONNX models whose every output is known, the scripts of docs/."""
 
+import importlib.util
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import onnx
@@ -14,6 +15,7 @@ from footsel.footholds.encoding import InputEncoding
 from footsel.runtime.contract import METADATA_KEY, ModelContract
 from footsel.runtime.model_folder import SUMS_FILE, sums_text
 
+DOCS = Path(__file__).resolve().parents[1] / "docs"
 PLANES = ("height", "unknown", "roll", "pitch")
 
 
@@ -124,3 +126,16 @@ def constant_folder(tmp_path: Path, anymal_layout: LegLayout) -> Callable[[int],
         return write_folder(tmp_path / f"constant{class_}", files)
 
     return make
+
+
+@pytest.fixture
+def script() -> Callable[[str], ModuleType]:
+    """script("update_tables"): a fresh module of docs/, which is no package."""
+
+    def load(name: str) -> ModuleType:
+        spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    return load

@@ -1,5 +1,6 @@
 """Where to draw the line on p(infeasible): chosen on held-out maps by what it does to the footholds picked."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -81,6 +82,23 @@ def choose_feasible_below(curve: Sequence[Mapping[str, Any]]) -> float:
         return worse, infeasible, -float(point["feasible_below"])
 
     return float(min(curve, key=badness)["feasible_below"])
+
+
+def at_missed(curve: Sequence[Mapping[str, Any]], missed_rate: float) -> dict[str, float] | None:
+    """infeasible_rate and regret_mean where `missed_rate` of the footholds are missed, linear between two thresholds.
+
+    So networks are compared that answer equally often. None if no two thresholds lie around that rate, or if one of
+    them picks nothing.
+    """
+    for above, below in itertools.pairwise(curve):
+        low, high = _rate(above, "missed_rate"), _rate(below, "missed_rate")
+        if low <= missed_rate <= high and low < high:
+            share = (missed_rate - low) / (high - low)
+            keys = ("infeasible_rate", "regret_mean")
+            if any(point[key] is None for point in (above, below) for key in keys):
+                return None
+            return {key: float(above[key] + share * (below[key] - above[key])) for key in keys}
+    return None
 
 
 def _rate(point: Mapping[str, Any], key: str) -> float:

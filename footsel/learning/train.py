@@ -86,14 +86,19 @@ def train(
     bar_line: line of the terminal for the progress bar, where several trainings share it.
     Returns the header of the final model (footsel.learning.checkpoint.load_network).
     """
+    data = load_data(dataset_dir, pair)
+    recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
+    torch.set_num_threads(threads)
+    return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line)
+
+
+def load_data(dataset_dir: Path, pair: str) -> TrainingData:
+    """The maps of one pair of a dataset of `footsel dataset`, all in memory."""
     dataset = open_dataset(dataset_dir)
     training, validation = dataset.split(pair)
     made_with = dataset.manifest["config"]
     robot = str(made_with["robot"])
-    data = TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
-    recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
-    torch.set_num_threads(threads)
-    return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line)
+    return TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
 
 
 def fit(

@@ -13,7 +13,7 @@ from footsel.learning.loss import LABEL_CLASS
 from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells, picks_below
 from footsel.learning.predictions import predict_all
 from footsel.learning.scores import Judgement
-from footsel.learning.threshold import THRESHOLDS, choose_feasible_below, threshold_curve
+from footsel.learning.threshold import THRESHOLDS, at_missed, choose_feasible_below, threshold_curve
 from footsel.runtime.evaluation import decode
 from footsel.terrain import LocalMap
 
@@ -191,3 +191,14 @@ def test_a_picked_cells_confidence_is_judged_by_what_the_oracle_says_of_it(sampl
     assert calibration["infeasible"]["ece"] == pytest.approx(shares.mean() - 0.01, abs=1e-6)
     zero = (LABEL_CLASS[samples.cost] == 0)[samples.reason != Reason.UNKNOWN].mean()
     assert calibration["likeliest"]["ece"] == pytest.approx(abs(0.99 - 0.01 * 12 / 13 - zero), abs=1e-5)
+
+
+def test_networks_are_compared_where_they_miss_equally_much():
+    def point(missed, infeasible, regret):
+        return {"missed_rate": missed, "infeasible_rate": infeasible, "regret_mean": regret}
+
+    curve = [point(0.0, 0.3, 1.0), point(0.0, 0.2, 2.0), point(0.04, 0.1, 6.0), point(0.04, 0.05, 7.0)]
+    assert at_missed(curve, 0.01) == pytest.approx({"infeasible_rate": 0.175, "regret_mean": 3.0})
+    assert at_missed(curve, 0.04) == {"infeasible_rate": 0.1, "regret_mean": 6.0}
+    assert at_missed(curve, 0.05) is None and at_missed(curve[2:], 0.01) is None
+    assert at_missed([*curve, point(1.0, None, None)], 0.05) is None  # Nothing is picked there.
