@@ -1,4 +1,7 @@
-"""Train the networks of a dataset: a checkpoint, the model and its learning curves for each pair of legs."""
+"""Train the networks of a dataset: a checkpoint, the model and its learning curves for each pair of legs.
+
+Under torchrun all its processes train one network together, pair after pair.
+"""
 
 import argparse
 import os
@@ -39,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
     """Train all pairs, side by side if there are cores for it."""
     with needing("footsel train", "train"):
         from footsel.dataset import open_dataset
+        from footsel.learning.ranks import ranks_of_torchrun
         from footsel.learning.recipe import Recipe
         from footsel.learning.side_by_side import in_turn, side_by_side
         from footsel.learning.train import train
@@ -61,9 +65,16 @@ def run(args: argparse.Namespace) -> int:
         start=args.start,
     )
     processes = args.jobs if args.jobs > 0 else (os.cpu_count() or 1)
-    trained = side_by_side(train_pair, pairs) if min(processes, len(pairs)) > 1 else in_turn(train_pair, pairs)
-    for pair, info in trained:
-        cells = info["validation"]["cells_likeliest"]
-        print(f"{pair}: {info['epochs_done']} epochs, validation accuracy {cells['accuracy']:.3f}, {args.out / pair}")
-    print(f"next: footsel export {args.out} MODEL")
+    with ranks_of_torchrun() as ranks:
+        if ranks.count > 1:
+            trained = in_turn(partial(train_pair, ranks=ranks), pairs)
+        else:
+            trained = side_by_side(train_pair, pairs) if min(processes, len(pairs)) > 1 else in_turn(train_pair, pairs)
+        for pair, info in trained:
+            cells = info["validation"]["cells_likeliest"]
+            done = f"{info['epochs_done']} epochs, validation accuracy {cells['accuracy']:.3f}"
+            if ranks.first:
+                print(f"{pair}: {done}, {args.out / pair}")
+    if ranks.first:
+        print(f"next: footsel export {args.out} MODEL")
     return 0

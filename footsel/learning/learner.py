@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
 from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout
@@ -14,7 +14,9 @@ from footsel.learning.batches import BatchEncoder
 from footsel.learning.build import build_network
 from footsel.learning.loss import FootholdLoss
 from footsel.learning.network import FootholdNetwork, channels_last
+from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
+from footsel.learning.shared_layers import share_layers
 
 
 class Learner:
@@ -22,20 +24,33 @@ class Learner:
 
     layout: of the robot. class_weight: (14,) in the cross-entropy.
     seed: of the first weights and, after them, of every channel that is dropped; it goes to torch's global generator.
+    ranks: processes that share every update; each holds the whole learner, and all stay equal.
     """
 
-    def __init__(self, recipe: Recipe, layout: LegLayout, class_weight: NDArray[np.float32], seed: int) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        layout: LegLayout,
+        class_weight: NDArray[np.float32],
+        seed: int,
+        ranks: Ranks = ALONE,
+    ) -> None:
         torch.manual_seed(seed)
         self.encode = BatchEncoder(recipe.encoding(layout.height_range))
         self.recipe, self._layout = recipe, layout
-        self.net = channels_last(build_network(recipe, layout))
+        self.net = build_network(recipe, layout)
+        if ranks.count > 1:
+            share_layers(self.net, ranks)
+        self.net = channels_last(self.net)
+        self._ranks = ranks
+        self._outputs = ranks.parallel(_Outputs(self.net, reasons=recipe.reason_weight > 0))
         self.optimiser = torch.optim.Adam(self.net.parameters(), weight_decay=recipe.weight_decay, fused=True)
         #: Moving average of weights and batch statistics by name; empty if the recipe keeps none.
         self.average: dict[str, Tensor] = {}
         if recipe.ema_decay > 0:
             self.average = {name: tensor.clone() for name, tensor in self.net.state_dict().items()}
         self._class_weight = torch.from_numpy(class_weight)
-        self._loss = FootholdLoss(recipe, class_weight)
+        self._loss = FootholdLoss(recipe, class_weight, ranks)
         self._bfloat16 = computes_in_bfloat16(recipe.precision)
 
     def weights(self) -> Mapping[str, Tensor]:
@@ -51,7 +66,9 @@ class Learner:
 
     def usable_network(self) -> FootholdNetwork:
         """A network with the weights to use, ready for inference."""
-        net = build_network(self.recipe, self._layout)
+        # One process asks for it; the random states of all stay equal.
+        with torch.random.fork_rng(devices=[]):
+            net = build_network(self.recipe, self._layout)
         net.load_state_dict(self.weights())
         return channels_last(net).eval()
 
@@ -71,18 +88,19 @@ class Learner:
                 self.average[name].copy_(tensor)
 
     def update(self, samples: Samples, learning_rate: float, updates_before: int) -> float:
-        """One step of Adam on the maps of one batch; returns the loss before it."""
+        """One step of Adam on the maps of one batch; returns the loss before it. Processes take a share of the maps."""
         self.net.train()
+        samples = samples.take(self._ranks.share(len(samples)))
         with torch.autocast("cpu", torch.bfloat16, enabled=self._bfloat16):
-            maps = self.encode(samples)
-            logits, reasons = self.net.with_reasons(maps) if self.recipe.reason_weight else (self.net(maps), None)
+            logits, reasons = self._outputs(self.encode(samples))
         loss = self._loss(logits, reasons, samples)
         self.optimiser.zero_grad(set_to_none=True)
-        loss.backward()  # type: ignore[no-untyped-call]
+        # Gradients are averaged over the processes, but the parts of the loss add up.
+        (loss * self._ranks.count).backward()  # type: ignore[no-untyped-call]
         self.optimiser.param_groups[0]["lr"] = learning_rate
         self.optimiser.step()
         self._move_average(updates_before)
-        return float(loss.item())
+        return float(self._ranks.total(loss.detach()).item())
 
     @torch.no_grad()
     def _move_average(self, updates_before: int) -> None:
@@ -94,6 +112,17 @@ class Learner:
                     self.average[name].lerp_(tensor, 1 - decay)
                 else:
                     self.average[name].copy_(tensor)
+
+
+class _Outputs(nn.Module):
+    """What a network learns from, in one forward pass, as DistributedDataParallel wants it."""
+
+    def __init__(self, net: FootholdNetwork, reasons: bool) -> None:
+        super().__init__()
+        self.net, self._reasons = net, reasons
+
+    def forward(self, maps: Tensor) -> tuple[Tensor, Tensor | None]:
+        return self.net.with_reasons(maps) if self._reasons else (self.net(maps), None)
 
 
 def computes_in_bfloat16(precision: str) -> bool:

@@ -16,6 +16,7 @@ from footsel.footholds.cost import (
     class_centres,
     cost_to_class,
 )
+from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
 
 #: c of the class weights, "In this application we used c=1.08".
@@ -66,9 +67,11 @@ class FootholdLoss:
     class_weight: (14,). The minimum has the odds w p, which calibrated logits are corrected for. `collision_weight`
     counts each cell that collides with terrain as so many: no constant per class undoes that, so where a collision
     is possible the network's p(infeasible) is higher than in the data, and the threshold is chosen after it.
+    ranks: processes that share a batch; each gets its part of the loss, the parts add up to that of the batch.
     """
 
-    def __init__(self, recipe: Recipe, class_weight: NDArray[np.float32]) -> None:
+    def __init__(self, recipe: Recipe, class_weight: NDArray[np.float32], ranks: Ranks = ALONE) -> None:
+        self._ranks = ranks
         self._weighted_targets = torch.from_numpy(targets(recipe.ordinal) * class_weight)
         reason_factor = torch.ones(len(Reason))
         reason_factor[Reason.TERRAIN_COLLISION] = recipe.collision_weight
@@ -81,9 +84,8 @@ class FootholdLoss:
         weighted = self._weighted_targets[torch.from_numpy(samples.cost).long()]  # (n, 40, 40, 14)
         weighted = weighted * self._reason_factor[reason][..., None]
         surprise = -functional.log_softmax(logits.float(), dim=1).permute(0, 2, 3, 1)
-        loss = (weighted * surprise).sum() / weighted.sum()
+        loss = (weighted * surprise).sum() / self._ranks.total(weighted.sum())
         if reason_logits is not None:
-            loss = loss + self._reason_weight * functional.cross_entropy(
-                reason_logits.float(), reason, self._reason_factor
-            )
+            error = functional.cross_entropy(reason_logits.float(), reason, self._reason_factor, reduction="sum")
+            loss = loss + self._reason_weight * error / self._ranks.total(self._reason_factor[reason].sum())
         return loss

@@ -36,6 +36,7 @@ from footsel.learning.files import CHECKPOINT_FILE
 from footsel.learning.learner import Learner, computes_in_bfloat16
 from footsel.learning.loss import class_shares, class_weights
 from footsel.learning.predictions import predict_all
+from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
 from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Judgement
@@ -76,6 +77,7 @@ def train(
     learning_rate: float | None = None,
     start: str | Path | None = None,
     bar_line: int | None = None,
+    ranks: Ranks = ALONE,
 ) -> dict[str, Any]:
     """Train the network of `pair` on a dataset of `footsel dataset`; files go to `out`/`pair`.
 
@@ -84,12 +86,13 @@ def train(
     start: run, released model or file of weights to begin with (footsel.learning.warm_start); the card names it.
     threads: of torch; two pairs side by side on one thread each take less time than one after the other on two.
     bar_line: line of the terminal for the progress bar, where several trainings share it.
+    ranks: processes that train this network together, each calling this function; the first one writes the files.
     Returns the header of the final model (footsel.learning.checkpoint.load_network).
     """
     data = load_data(dataset_dir, pair)
     recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
     torch.set_num_threads(threads)
-    return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line)
+    return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line, ranks=ranks)
 
 
 def load_data(dataset_dir: Path, pair: str) -> TrainingData:
@@ -110,6 +113,7 @@ def fit(
     checkpoint_seconds: float = CHECKPOINT_SECONDS,
     start: str | Path | None = None,
     bar_line: int | None = None,
+    ranks: Ranks = ALONE,
 ) -> dict[str, Any]:
     """Train on maps in memory; `folder` gets config.json, curves.csv, validation.json, the checkpoint and the model."""
     # What is asked. A folder holds one training, from its first update to its last.
@@ -123,7 +127,7 @@ def fit(
         "seed": seed,
         "started_from": None if start is None else lineage(start, data.pair),
     }
-    resumed = _claim_folder(folder, config, resume)
+    resumed = _claim_folder(folder, config, resume, ranks)
 
     # Data.
     encoding = recipe.encoding(data.layout.height_range)
@@ -132,7 +136,7 @@ def fit(
     batches_per_epoch = -(-len(data.training) // recipe.batch_size)
 
     # Model.
-    learner = Learner(recipe, data.layout, weights, seed)
+    learner = Learner(recipe, data.layout, weights, seed, ranks)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
     if start is not None and not resumed:
         start_from(learner, start, data.pair)
@@ -140,7 +144,8 @@ def fit(
 
     # Loop.
     whole = recipe.epochs * len(data.training)
-    bar = tqdm(total=whole, unit="map", desc=data.pair, smoothing=0.05, disable=None, position=bar_line)
+    silent = None if ranks.first else True  # None: where there is no terminal.
+    bar = tqdm(total=whole, unit="map", desc=data.pair, smoothing=0.05, disable=silent, position=bar_line)
     bar.update(progress.epoch * len(data.training) + progress.maps)
     saved = time.monotonic()
     for epoch in range(progress.epoch, recipe.epochs):
@@ -157,13 +162,17 @@ def fit(
             progress.add(loss, len(samples), time.monotonic() - started)
             bar.update(len(samples))
             bar.set_postfix(epoch=epoch, loss=f"{progress.mean_loss:.4f}", refresh=False)
-            if time.monotonic() - saved >= checkpoint_seconds:
+            if ranks.first and time.monotonic() - saved >= checkpoint_seconds:
                 save_checkpoint(folder, learner, progress)
                 saved = time.monotonic()
 
-        # After every epoch the model is usable, and judged on maps that it never learns from.
+        # After every epoch the model is usable, and judged on maps that it never learns from. One process does that,
+        # the others wait for it in their next update.
+        learnt, progress = progress, Progress(epoch=epoch + 1)
+        if not ranks.first:
+            continue
         judgement, validation_loss = _validate(learner, data, np.ones_like(weights) if recipe.calibrated else weights)
-        measured = {"train_loss": progress.mean_loss, "val_loss": validation_loss}
+        measured = {"train_loss": learnt.mean_loss, "val_loss": validation_loss}
         seconds = round(time.monotonic() - started, 1)
         last_rate = rate_of(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
         rows.append({"epoch": epoch, "lr": last_rate, **measured, **_curve_figures(judgement), "seconds": seconds})
@@ -183,12 +192,12 @@ def fit(
         write_json(folder / "validation.json", {"epoch": epoch, **judgement})
         _write_curves(folder / "curves.csv", rows)
         # Last, so that a training killed anywhere above does the epoch's end again instead of leaving it out.
-        progress = Progress(epoch=epoch + 1)
         save_checkpoint(folder, learner, progress)
         saved = time.monotonic()
         figures = "  ".join(f"{column} {_short(value)}" for column, value in rows[-1].items())
         bar.write(f"{data.pair}: {figures}", file=sys.stderr)
     bar.close()
+    ranks.wait()
     return load_network(folder)[1]
 
 
@@ -223,18 +232,22 @@ def _curve_figures(judgement: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _claim_folder(folder: Path, config: dict[str, Any], resume: bool) -> bool:
+def _claim_folder(folder: Path, config: dict[str, Any], resume: bool, ranks: Ranks) -> bool:
     """Take a new folder, or one whose training is the one asked for; returns whether there is something to go on from.
 
     Raises InputError if the folder holds another training, or any without `resume`.
     """
     started = (folder / CHECKPOINT_FILE).is_file()
+    if not ranks.first:
+        ranks.wait()
+        return started
     if started and not resume:
         raise InputError(f"{folder} already holds a training", "give --resume to go on with it, or another folder")
     versions = {"footsel": footsel.__version__, "torch": torch.__version__, "python": platform.python_version()}
     bfloat16 = computes_in_bfloat16(config["recipe"]["precision"])
     machine = {"threads": torch.get_num_threads(), "bfloat16": bfloat16, "versions": versions}
     claim_folder(folder, "training", config, notes=machine)
+    ranks.wait()
     return started
 
 
