@@ -9,8 +9,9 @@ import pytest
 import torch
 from safetensors import safe_open
 
-from footsel.dataset.store import MANIFEST, pack_shard, pair_entry, record_shard, shard_path, write_json, write_shard
+from footsel.dataset.store import MANIFEST, pack_shard, pair_entry, record_shard, shard_path, write_shard
 from footsel.errors import InputError
+from footsel.files import write_json
 from footsel.learning.recipe import Recipe
 from footsel.learning.side_by_side import in_turn, side_by_side
 from footsel.learning.train import train
