@@ -41,8 +41,7 @@ class Ranks:
         """`net`, beginning with the first process's weights, its gradients averaged over the processes."""
         if self.count == 1:
             return net
-        # Buffers are batch statistics, which footsel.learning.shared_layers keeps equal.
-        return DistributedDataParallel(net, broadcast_buffers=False)
+        return DistributedDataParallel(net)
 
     def wait(self) -> None:
         """Until all processes have come here."""

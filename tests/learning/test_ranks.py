@@ -176,6 +176,7 @@ def test_two_processes_give_the_curve_of_one(dataset, recipes, tmp_path):
     assert main(command(dataset, tmp_path / "one", recipes["footsel"])) == 0
     done = torchrun(command(dataset, tmp_path / "two", recipes["footsel"]))
     assert done.returncode == 0, done.stderr
+    assert "Warning" not in done.stderr
     assert done.stdout.count("3 epochs") == done.stdout.count("next: footsel export") == 1
     one, two = curve(tmp_path / "one"), curve(tmp_path / "two")
     assert len(one) == len(two) == 3
