@@ -114,7 +114,7 @@ def models() -> str:
             recall("SELF_COLLISION"),
             recall("TERRAIN_COLLISION"),
             row("infeasible picks", "picks", "infeasible_rate", percent),
-            row("missed, maps of 2000", "picks", "missed", str),
+            row("missed, share of the maps with a foothold", "picks", "missed_rate", percent),
             row("mean regret", "picks", "regret_mean", number),
         ],
     )
