@@ -4,7 +4,7 @@ import numpy as np
 
 from footsel.dataset.samples import UNKNOWN_HEIGHT
 from footsel.learning.augmentation import with_noise
-from footsel.terrain.degradation import CAMERA_NOISE, DRIFT_HEIGHT, sensor_noise
+from footsel.terrain.degradation import AXIAL, DRIFT_HEIGHT, sensor_noise
 
 
 def test_the_same_seed_gives_the_same_noise(samples):
@@ -24,7 +24,7 @@ def test_labels_poses_and_holes_stay(samples):
 
 def test_it_grows_with_the_distance_and_the_factor():
     near, far = np.full((200, 40, 40), -0.35, dtype=np.float32), np.full((200, 40, 40), -1.5, dtype=np.float32)
-    floor, growth, nearest = CAMERA_NOISE
+    floor, growth, nearest = AXIAL
     for heights in (near, far):
         noise = sensor_noise(heights, 0.02, np.random.default_rng(0))
         # Neighbouring cells share the drift, so their difference is noise alone.
