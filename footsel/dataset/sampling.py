@@ -35,7 +35,7 @@ class SamplingRecipe:
     map_seed: of the one composed training map that all samples lie on, as in the paper; None: a course per family.
     quarter_turns: yaw is a multiple of 90 degrees. tilt: roll and pitch lie within this, in [rad].
     holes: share of the local maps that get unknown cells.
-    families: names to draw from (for single-family courses).
+    families: names to draw from, or what the composed map is made of.
     """
 
     map_seed: int | None
@@ -50,7 +50,7 @@ class SamplingRecipe:
     ) -> "SamplingRecipe":
         """The recipe `paper` (section III-A: one map, four yaws, a level base) or `footsel` (any yaw, tilt, holes).
 
-        With families chosen or excluded, the paper's recipe draws courses of the others in place of its map.
+        The paper's map is composed without excluded families; with families chosen, its recipe draws courses of those.
         """
         if name not in RECIPES:
             raise UnknownNameError("recipe", name, RECIPES)
@@ -61,13 +61,13 @@ class SamplingRecipe:
         if not chosen:
             raise InputError("no terrain family is left", "exclude fewer families")
         if name == "paper":
-            return cls(None if families or exclude else map_seed, True, 0.0, 0.0, chosen)
+            return cls(None if families else map_seed, True, 0.0, 0.0, chosen)
         return cls(None, False, float(np.deg2rad(15.0)), 0.4, chosen)
 
     def draw_course(self, rng: np.random.Generator) -> tuple[str, int, ElevationMap]:
         """Family, seed and map of a course."""
         if self.map_seed is not None:
-            return COMPOSED, self.map_seed, _composed_map(self.map_seed)
+            return COMPOSED, self.map_seed, _composed_map(self.map_seed, self.families)
         seed = int(rng.integers(2**31))
         weights = np.array([FAMILY_WEIGHTS.get(family, 1.0) for family in self.families])
         family = self.families[rng.choice(len(self.families), p=weights / weights.sum())]
@@ -86,5 +86,5 @@ class SamplingRecipe:
 
 
 @lru_cache(maxsize=1)
-def _composed_map(seed: int) -> ElevationMap:
-    return training_map(seed)
+def _composed_map(seed: int, families: tuple[str, ...]) -> ElevationMap:
+    return training_map(seed, families=families)

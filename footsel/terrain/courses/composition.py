@@ -1,5 +1,7 @@
 """A map composed of tiles of several families, as the paper's training map is."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,15 +28,23 @@ TRAINING_SIZE = 12.0
 SEAM = 0.2
 
 
-def training_map(seed: int | np.random.Generator, resolution: float = 0.02) -> ElevationMap:
-    """A 12x12 m map of 36 tiles of 2x2 m in random places, after the paper's training map (its figure trainMap)."""
+def training_map(
+    seed: int | np.random.Generator, resolution: float = 0.02, families: Sequence[str] = tuple(TRAINING_TILES)
+) -> ElevationMap:
+    """A 12x12 m map of 36 tiles of 2x2 m in random places, after the paper's training map (its figure trainMap).
+
+    families: what it is composed of; where some are left out, the others fill their tiles in turn.
+    """
     rng = np.random.default_rng(seed)
-    families = rng.permutation(np.repeat(list(TRAINING_TILES), list(TRAINING_TILES.values())))
-    tiles = round(np.sqrt(len(families)))
+    tiles_of = {family: tiles for family, tiles in TRAINING_TILES.items() if family in families}
+    all_tiles = np.repeat(list(tiles_of), list(tiles_of.values()))
+    spare = sum(TRAINING_TILES.values()) - len(all_tiles)
+    order = rng.permutation(np.concatenate([all_tiles, np.resize(list(tiles_of), spare)]))
+    tiles = round(np.sqrt(len(order)))
     cells = round(TRAINING_SIZE / resolution)
     tile = TRAINING_SIZE / tiles
     total, weights = np.zeros((cells, cells)), np.zeros((cells, cells))
-    for number, family in enumerate(families.tolist()):
+    for number, family in enumerate(order.tolist()):
         row, column = divmod(number, tiles)
         x, y = ((index + 0.5) * tile - TRAINING_SIZE / 2 for index in (row, column))
         course = make_course(family, rng, size=tile + SEAM + 4 * resolution, resolution=resolution)
