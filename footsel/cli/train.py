@@ -32,6 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="begin with the weights of this run, released model or .safetensors file (default: at random)",
     )
     parser.add_argument(
+        "--exclude",
+        nargs="+",
+        default=(),
+        metavar="FAMILY",
+        help="terrain families to leave out, to judge the network on what it never saw (footsel evaluate --families)",
+    )
+    parser.add_argument(
         "--threads", type=whole_number(1), default=1, metavar="N", help="CPU threads of each (default: %(default)s)"
     )
     add_jobs(parser)
@@ -63,6 +70,7 @@ def run(args: argparse.Namespace) -> int:
         threads=args.threads,
         learning_rate=args.learning_rate,
         start=args.start,
+        exclude=tuple(args.exclude),
     )
     processes = args.jobs if args.jobs > 0 else (os.cpu_count() or 1)
     with ranks_of_torchrun() as ranks:

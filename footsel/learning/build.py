@@ -5,13 +5,16 @@ from footsel.learning.erfnet import ERFNet
 from footsel.learning.footnet import FootNet
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
 
 
-def build_network(recipe: Recipe, layout: LegLayout) -> FootholdNetwork:
+def build_network(recipe: Recipe, layout: LegLayout, skeleton: LegSkeleton | None = None) -> FootholdNetwork:
     """With random weights, from torch's global generator.
 
     layout: of the robot, whose cell size, height range and foot FootNet's fixed layers are made for.
+    skeleton: of the trained leg, for a recipe with the feature "clearance".
     """
     if recipe.architecture == "erfnet":
         return ERFNet(len(recipe.planes))
-    return FootNet(recipe.planes, layout, recipe.widths, recipe.blocks, recipe.features, recipe.reason_weight > 0)
+    reasons = recipe.reason_weight > 0
+    return FootNet(recipe.planes, layout, recipe.widths, recipe.blocks, recipe.features, reasons, skeleton)

@@ -28,6 +28,7 @@ from footsel.learning.learner import Learner
 from footsel.learning.network import FootholdNetwork, channels_last
 from footsel.learning.predictions import Predict
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
 
 _HEADER = "footsel"
 
@@ -110,14 +111,16 @@ def released_weights(weights: Mapping[str, Tensor], info: Mapping[str, Any]) -> 
 def load_network(folder: str | Path) -> tuple[FootholdNetwork, dict[str, Any]]:
     """The network of a run's folder OUT/PAIR, ready for inference, and what its header says.
 
-    The header has: robot, pair, layout, recipe, encoding, in_channels, classes, class_shares, dataset (what it was made
-    with), dataset_sha256, seed, epochs_done, feasible_below, validation, version.
+    The header has: robot, pair, layout, skeleton, recipe, encoding, in_channels, classes, class_shares, dataset (what
+    it was made with), dataset_sha256, seed, epochs_done, feasible_below, validation, version.
     Raises ModelError if there is no such model.
     """
     path = Path(folder) / MODEL_FILE
     tensors, info = read_model(path)
     try:
-        net = build_network(Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"]))
+        # Models of before there were skeletons have none.
+        skeleton = info.get("skeleton") and LegSkeleton.from_dict(info["skeleton"])
+        net = build_network(Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"]), skeleton)
         net.load_state_dict(tensors)
     except (InputError, KeyError, RuntimeError, TypeError, ValueError):
         raise ModelError(f"{path} holds no network of this footsel", "train it again with this version") from None

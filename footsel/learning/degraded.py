@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footsel.dataset.samples import Samples, encode_heights
 from footsel.errors import InputError, UnknownNameError
@@ -48,6 +49,11 @@ def degraded(samples: Samples, degradation: Degradation, resolution: float, firs
         rng = np.random.default_rng([degradation.seed, first + index])
         seen = depth_camera_reading(true, resolution, rng) if degradation.noise == "d435" else true
         heights[index] = lose_cells(seen, degradation.holes, rng)
+    return with_heights(samples, heights)
+
+
+def with_heights(samples: Samples, heights: NDArray[np.float32]) -> Samples:
+    """The samples with other heights (n, 40, 40), in [m]; what is unknown in them has no label."""
     unknown = np.isnan(heights)
     return replace(
         samples,

@@ -1,8 +1,9 @@
 """FootNet: ERFNet's residual layers around what a foothold's label depends on, at full resolution from end to end.
 
-    place    where the foot would stand in base axes: range, self-collision, margin      cell by cell
-    relief   drops to the neighbours: terrain cost; rises around: terrain collision      constant stencils
-    context  encoder to 20x20 and 10x10 of factorised, dilated residual layers, skips added on the way back
+    place      where the foot would stand in base axes: range, self-collision, margin    cell by cell
+    clearance  how high the leg then passes over the ground: terrain collision           inverse kinematics
+    relief     drops to the neighbours: terrain cost; rises around                       constant stencils
+    context    encoder to 20x20 and 10x10 of factorised, dilated residual layers, skips added on the way back
 
 ERFNet passes the detail of 1600 cells through 5x5; here every cell keeps its own, and the context is added to it.
 """
@@ -15,13 +16,14 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.footholds.reasons import REASON_NAMES
-from footsel.learning.along_leg import AlongLeg
+from footsel.learning.clearance import LegClearance
 from footsel.learning.erfnet import BATCH_NORM_EPS, Downsampler, NonBottleneck1d
 from footsel.learning.float32 import float32
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES
 from footsel.learning.relief import Drops, FootSurface, KnownShares, Rises
+from footsel.learning.skeleton import LegSkeleton
 
 #: Dilations of the residual layers of one stage, repeated as needed; the map ends 5 cells from the middle at 10x10.
 DILATIONS = (1, 2, 4, 2)
@@ -32,12 +34,12 @@ class FootNet(FootholdNetwork):
 
     planes: names of the input planes, "height" among them. layout: whose legs; sets the scale of the fixed layers.
     widths: channels of the first layer on each cell alone, then at 40x40, 20x20 and 10x10. blocks: residual layers at
-    these three. features: among FEATURES.
+    these three. features: among FEATURES. skeleton: of the trained leg, for "clearance".
     reasons: whether there is a second output to learn from.
     """
 
     class_bias = "head.bias"
-    exact_parts = ("foot_surface", "drops", "rises", "known_shares", "along_leg", "from_itself")
+    exact_parts = ("foot_surface", "drops", "rises", "known_shares", "clearance", "from_itself")
 
     def __init__(
         self,
@@ -47,6 +49,7 @@ class FootNet(FootholdNetwork):
         blocks: Sequence[int],
         features: Sequence[str] = FEATURES,
         reasons: bool = False,
+        skeleton: LegSkeleton | None = None,
     ) -> None:
         super().__init__(len(planes))
         self._planes = tuple(planes)
@@ -55,12 +58,16 @@ class FootNet(FootholdNetwork):
         self.drops = Drops(layout.height_range) if "drops" in features else None
         self.rises = Rises(layout.height_range) if "rises" in features else None
         self.place = Place(layout) if "place" in features else None
-        self.along_leg = AlongLeg(layout) if "along_leg" in features else None
+        self.clearance = None
+        if "clearance" in features:
+            assert skeleton is not None, "clearance is that of a leg"
+            self.clearance = LegClearance(layout, skeleton)
 
         # One layer over all that a cell knows, in parts: in onnxruntime a sum costs less than joining the parts.
         self.known_shares = KnownShares()
         itself = self.in_channels + KnownShares.CHANNELS
-        itself += sum(layer.CHANNELS for layer in (self.place, self.along_leg) if layer is not None)
+        itself += Place.CHANNELS if self.place is not None else 0
+        itself += self.clearance.channels if self.clearance is not None else 0
         self.from_itself = nn.Conv2d(itself, hidden, 1)
         self.from_relief = nn.ModuleList(nn.Conv2d(layer.CHANNELS, hidden, 1, bias=False) for layer in self._relief())
         self.join = nn.Sequential(
@@ -107,8 +114,8 @@ class FootNet(FootholdNetwork):
             if self.place is not None:
                 roll, pitch = (self._plane(maps, name)[:, :, :1, :1] for name in ("roll", "pitch"))
                 itself.append(self.place(depth, roll, pitch))
-                if self.along_leg is not None:
-                    itself.append(self.along_leg(itself[-1], depth, known))
+                if self.clearance is not None:
+                    itself.append(self.clearance(itself[-1], depth, known, roll, pitch))
             cells: Tensor = self.from_itself(torch.cat(itself, dim=1))
         foot = self.foot_surface(depth, known)
         for layer, weigh in zip(self._relief(), self.from_relief, strict=True):

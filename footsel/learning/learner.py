@@ -17,12 +17,13 @@ from footsel.learning.network import FootholdNetwork, channels_last
 from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
 from footsel.learning.shared_layers import share_layers
+from footsel.learning.skeleton import LegSkeleton
 
 
 class Learner:
     """The network, the loss and Adam as a recipe asks for.
 
-    layout: of the robot. class_weight: (14,) in the cross-entropy.
+    layout: of the robot; skeleton: of the trained leg. class_weight: (14,) in the cross-entropy.
     seed: of the first weights and, after them, of every channel that is dropped; it goes to torch's global generator.
     ranks: processes that share every update; each holds the whole learner, and all stay equal.
     """
@@ -34,11 +35,12 @@ class Learner:
         class_weight: NDArray[np.float32],
         seed: int,
         ranks: Ranks = ALONE,
+        skeleton: LegSkeleton | None = None,
     ) -> None:
         torch.manual_seed(seed)
         self.encode = BatchEncoder(recipe.encoding(layout.height_range))
-        self.recipe, self._layout = recipe, layout
-        self.net = build_network(recipe, layout)
+        self.recipe, self._layout, self._skeleton = recipe, layout, skeleton
+        self.net = build_network(recipe, layout, skeleton)
         if ranks.count > 1:
             share_layers(self.net, ranks)
         self.net = channels_last(self.net)
@@ -68,7 +70,7 @@ class Learner:
         """A network with the weights to use, ready for inference."""
         # One process asks for it; the random states of all stay equal.
         with torch.random.fork_rng(devices=[]):
-            net = build_network(self.recipe, self._layout)
+            net = build_network(self.recipe, self._layout, self._skeleton)
         net.load_state_dict(self.weights())
         return channels_last(net).eval()
 

@@ -18,7 +18,7 @@ else:
 
 #: footsel.learning.erfnet, footsel.learning.footnet. What the latter sees beside the input planes.
 ARCHITECTURES = ("erfnet", "footnet")
-FEATURES = ("drops", "rises", "place", "along_leg")
+FEATURES = ("drops", "rises", "place", "clearance")
 
 #: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
 RECIPES = ("paper", "footsel")
@@ -44,7 +44,7 @@ class Recipe:
     precision: "auto", "float32" or "bfloat16" arithmetic of the forward pass.
     architecture: "erfnet" or "footnet"; for the latter widths, blocks, features (footsel.learning.footnet.FootNet).
     ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
-    noise: how many times that of a depth camera is added to the training maps.
+    noise: share of the training maps that are seen through a depth camera (footsel.learning.augmentation).
     """
 
     name: str
@@ -89,7 +89,7 @@ class Recipe:
             "reason_weight", _is_number(self.reason_weight) and self.reason_weight >= 0, "a number of 0 or more"
         )
         self._check("collision_weight", _is_number(self.collision_weight) and self.collision_weight > 0, "above 0")
-        self._check("noise", _is_number(self.noise) and self.noise >= 0, "a number of 0 or more")
+        self._check("noise", _is_number(self.noise) and 0 <= self.noise <= 1, "a share from 0 to 1")
         self._check_network()
         if self.schedule == "exponential":
             self._check("decay", _is_number(self.decay) and 0 < float(self.decay or 0) <= 1, "a number in (0, 1]")
@@ -110,8 +110,8 @@ class Recipe:
         for feature in self.features:
             if feature not in FEATURES:
                 raise UnknownNameError(f"feature of recipe {self.name}", feature, FEATURES)
-        placed = "along_leg" not in self.features or "place" in self.features
-        self._check("features", placed, '"place" with "along_leg", which builds on it')
+        placed = "clearance" not in self.features or "place" in self.features
+        self._check("features", placed, '"place" with "clearance", which builds on it')
 
     def _check(self, key: str, good: bool, expected: str) -> None:
         if not good:

@@ -6,7 +6,7 @@ import math
 import platform
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from footsel.dataset import Samples, open_dataset
 from footsel.errors import InputError
 from footsel.files import replace_file, write_json
 from footsel.footholds import LegLayout
-from footsel.learning.augmentation import with_noise
+from footsel.learning.augmentation import as_seen
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (
     Progress,
@@ -40,6 +40,7 @@ from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
 from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Judgement
+from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
 from footsel.learning.warm_start import lineage, start_from
 from footsel.legs import TRAINED_LEG
@@ -53,7 +54,8 @@ CHECKPOINT_SECONDS = 120.0
 class TrainingData:
     """Labelled maps of the trained leg of one pair, and what is known of them.
 
-    robot, layout: whose legs. dataset: configuration it was made with, as in its manifest; dataset_sha256: of that.
+    robot, layout, skeleton: whose legs. dataset: configuration it was made with, as in its manifest, families left out
+    since then added to `exclude`; dataset_sha256: of the manifest.
     """
 
     pair: str
@@ -61,6 +63,7 @@ class TrainingData:
     validation: Samples
     robot: str
     layout: LegLayout
+    skeleton: LegSkeleton
     dataset: Mapping[str, Any]
     dataset_sha256: str
 
@@ -76,6 +79,7 @@ def train(
     threads: int = 1,
     learning_rate: float | None = None,
     start: str | Path | None = None,
+    exclude: Sequence[str] = (),
     bar_line: int | None = None,
     ranks: Ranks = ALONE,
 ) -> dict[str, Any]:
@@ -85,23 +89,27 @@ def train(
     epochs, learning_rate: instead of the recipe's.
     start: run, released model or file of weights to begin with (footsel.learning.warm_start); the card names it.
     threads: of torch; two pairs side by side on one thread each take less time than one after the other on two.
+    exclude: terrain families to learn nothing from, so that the network can be judged on what it never saw.
     bar_line: line of the terminal for the progress bar, where several trainings share it.
     ranks: processes that train this network together, each calling this function; the first one writes the files.
     Returns the header of the final model (footsel.learning.checkpoint.load_network).
     """
-    data = load_data(dataset_dir, pair)
+    data = load_data(dataset_dir, pair, exclude)
     recipe = replace(recipe, epochs=epochs or recipe.epochs, learning_rate=learning_rate or recipe.learning_rate)
     torch.set_num_threads(threads)
     return fit(data, out / pair, recipe, resume, seed, start=start, bar_line=bar_line, ranks=ranks)
 
 
-def load_data(dataset_dir: Path, pair: str) -> TrainingData:
-    """The maps of one pair of a dataset of `footsel dataset`, all in memory."""
+def load_data(dataset_dir: Path, pair: str, exclude: Sequence[str] = ()) -> TrainingData:
+    """The maps of one pair of a dataset of `footsel dataset`, all in memory, but for the families to `exclude`."""
     dataset = open_dataset(dataset_dir)
-    training, validation = dataset.split(pair)
-    made_with = dataset.manifest["config"]
-    robot = str(made_with["robot"])
-    return TrainingData(pair, training, validation, robot, load_robot(robot).layout, made_with, dataset.sha256)
+    training, validation = dataset.split(pair, exclude=exclude)
+    made_with = dict(dataset.manifest["config"])
+    if exclude:
+        made_with["exclude"] = sorted({*made_with["exclude"], *exclude})
+    robot = load_robot(str(made_with["robot"]))
+    skeleton = LegSkeleton.of(robot, TRAINED_LEG[pair])
+    return TrainingData(pair, training, validation, robot.name, robot.layout, skeleton, made_with, dataset.sha256)
 
 
 def fit(
@@ -136,7 +144,7 @@ def fit(
     batches_per_epoch = -(-len(data.training) // recipe.batch_size)
 
     # Model.
-    learner = Learner(recipe, data.layout, weights, seed, ranks)
+    learner = Learner(recipe, data.layout, weights, seed, ranks, data.skeleton)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
     if start is not None and not resumed:
         start_from(learner, start, data.pair)
@@ -154,7 +162,7 @@ def fit(
         for batch in range(progress.batch, batches_per_epoch):
             samples = data.training.take(batches[batch])
             if recipe.noise > 0:
-                samples = with_noise(samples, data.layout.resolution, recipe.noise, seed=(seed, epoch, batch))
+                samples = as_seen(samples, data.layout.resolution, recipe.noise, seed=(seed, epoch, batch))
             rate = rate_of(recipe, epoch, batch, batches_per_epoch)
             loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)
             if not math.isfinite(loss):
@@ -179,6 +187,7 @@ def fit(
         info = {
             **config,
             "layout": data.layout.to_dict(),
+            "skeleton": data.skeleton.to_dict(),
             "encoding": encoding.to_dict(),
             "in_channels": learner.net.in_channels,
             "classes": learner.net.classes,

@@ -105,18 +105,10 @@ def _along(shape: tuple[int, ...], angle: float) -> NDArray[np.float64]:
     return np.asarray((i - shape[0] / 2) * np.cos(angle) + (j - shape[1] / 2) * np.sin(angle))
 
 
-def sensor_noise(heights: NDArray[np.float32], resolution: float, rng: np.random.Generator) -> NDArray[np.float32]:
-    """What to add to local maps (n, 40, 40): the D435's noise of the depth for every cell, and one plane of drift each.
+def drift(cells: int, resolution: float, rng: np.random.Generator) -> NDArray[np.float32]:
+    """(cells, cells) what state estimation adds to the heights of a whole local map, a plane, in [m].
 
-    A stand-in for `depth_camera_reading` that makes whole batches at once: the camera is at the hip, edges stay put.
-
-    heights: relative to the hip point, NaN = unknown, in [m]. resolution: side of a cell, in [m].
+    resolution: side of a cell, in [m].
     """
-    count, rows, columns = heights.shape
-    offsets = cell_offsets(rows, resolution)
-    floor, growth, nearest = AXIAL
-    distance = np.sqrt(np.sum(offsets**2, axis=-1) + heights.astype(np.float64) ** 2)
-    noise = rng.normal(size=(count, rows, columns)) * (floor + growth * (distance - nearest) ** 2)
-    slopes = rng.normal(0, DRIFT_SLOPE, (count, 2))
-    drift = rng.normal(0, DRIFT_HEIGHT, (count, 1, 1)) + np.einsum("ijk,nk->nij", offsets, slopes)
-    return np.asarray(noise + drift, dtype=np.float32)
+    slope = rng.normal(0, DRIFT_SLOPE, 2)
+    return np.asarray(rng.normal(0, DRIFT_HEIGHT) + cell_offsets(cells, resolution) @ slope, dtype=np.float32)

@@ -18,6 +18,8 @@ from footsel.learning.build import build_network
 from footsel.learning.checkpoint import save_model
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
+from footsel.robot import load_robot
 
 PARITY_MAPS = 60
 
@@ -25,7 +27,7 @@ PARITY_MAPS = 60
 def uneven_network(seed: int, layout: LegLayout, recipe: str = "footsel") -> FootholdNetwork:
     """Logits that spread over several units, negative and positive scales in every normalisation."""
     torch.manual_seed(seed)
-    network = build_network(used_recipe(recipe), layout)
+    network = build_network(used_recipe(recipe), layout, LegSkeleton.of(load_robot("anymal_b"), "LF"))
     for module in network.modules():
         if isinstance(module, nn.BatchNorm2d):
             nn.init.uniform_(module.weight, -0.5, 1.5)
@@ -61,6 +63,7 @@ def write_run(
             "robot": "anymal_b",
             "pair": pair,
             "layout": layout.to_dict(),
+            "skeleton": LegSkeleton.of(load_robot("anymal_b"), "LF").to_dict(),
             "recipe": used.to_dict(),
             "encoding": used.encoding(layout.height_range).to_dict(),
             "in_channels": network.in_channels,

@@ -23,6 +23,7 @@ from footsel.footholds import DISTANCE_WEIGHT
 from footsel.learning.checkpoint import load_network, read_model
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.warm_start import start_from
 from footsel.legs import PAIRS, TRAINED_LEG
 from footsel.runtime import FootholdSelector, Network
@@ -65,7 +66,9 @@ def test_torch_and_onnxruntime_agree_on_500_maps(released, anymal_layout, pair):
 def test_a_training_can_go_on_from_the_folder(released, anymal_layout):
     info = read_model(released.out / "front.safetensors")[1]
     assert info["pair"] == "front" and info["dataset_sha256"] == "ab" * 32
-    learner = Learner(Recipe.from_dict(info["recipe"]), anymal_layout, np.ones(14, dtype=np.float32), seed=9)
+    skeleton = LegSkeleton.from_dict(info["skeleton"])
+    ones = np.ones(14, dtype=np.float32)
+    learner = Learner(Recipe.from_dict(info["recipe"]), anymal_layout, ones, seed=9, skeleton=skeleton)
     start_from(learner, released.out, "front")
     # Kernels are released in bfloat16, everything else as it is.
     for name, tensor in released.networks["front"].state_dict().items():

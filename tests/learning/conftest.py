@@ -6,8 +6,10 @@ import torch
 
 from footsel.dataset.samples import Samples, encode_heights
 from footsel.footholds import LegLayout, Reason
+from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.train import TrainingData
 from footsel.legs import LEGS
+from footsel.robot import load_robot
 
 
 def stepped_maps(count, seed):
@@ -56,9 +58,15 @@ def layout():
     )
 
 
+@pytest.fixture(scope="session")
+def skeleton():
+    return LegSkeleton.of(load_robot("anymal_b"), "LF")
+
+
 @pytest.fixture
-def data(layout):
-    return TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, {"maps": 30}, "0" * 64)
+def data(layout, skeleton):
+    dataset = {"maps": 30}, "0" * 64
+    return TrainingData("front", stepped_maps(24, 1), stepped_maps(6, 2), "anymal_b", layout, skeleton, *dataset)
 
 
 @pytest.fixture(scope="session")

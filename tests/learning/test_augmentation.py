@@ -1,35 +1,43 @@
-"""Noise on training maps: of the size that is asked for, the same for the same seed, never on labels or holes."""
+"""Maps as a camera sees them: a share of them, the same for the same seed, labels of the true ground."""
 
 import numpy as np
+import pytest
 
 from footsel.dataset.samples import UNKNOWN_HEIGHT
-from footsel.learning.augmentation import with_noise
-from footsel.terrain.degradation import AXIAL, DRIFT_HEIGHT, sensor_noise
+from footsel.footholds import Reason
+from footsel.learning.augmentation import MOST_HIDDEN, as_seen
+from footsel.terrain.degradation import DRIFT_HEIGHT, drift
 
 
-def test_the_same_seed_gives_the_same_noise(samples):
-    one, again, other = (with_noise(samples, 0.02, 1.0, seed) for seed in ((1, 2, 3), (1, 2, 3), (1, 2, 4)))
+def test_the_same_seed_gives_the_same_maps(samples):
+    one, again, other = (as_seen(samples, 0.02, 1.0, seed) for seed in ((1, 2, 3), (1, 2, 3), (1, 2, 4)))
     assert np.array_equal(one.heights_tenth_mm, again.heights_tenth_mm)
     assert not np.array_equal(one.heights_tenth_mm, other.heights_tenth_mm)
 
 
-def test_labels_poses_and_holes_stay(samples):
-    noisy = with_noise(samples, 0.02, 5.0, (0,))
-    known = samples.heights_tenth_mm != UNKNOWN_HEIGHT
-    assert np.array_equal(noisy.heights_tenth_mm != UNKNOWN_HEIGHT, known) and not known.all()
-    assert (noisy.heights_tenth_mm != samples.heights_tenth_mm)[known].mean() > 0.9
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+def test_a_share_of_the_maps_is_seen_and_the_others_stay(make_samples, share):
+    samples = make_samples(200, 3)
+    seen = as_seen(samples, 0.02, share, (0,))
+    changed = (seen.heights_tenth_mm != samples.heights_tenth_mm).any(axis=(1, 2))
+    assert changed.mean() == pytest.approx(share, abs=0.1 if 0 < share < 1 else 0)
     for name in ("cost", "reason", "pose", "family", "course"):
-        assert getattr(noisy, name) is getattr(samples, name)
+        assert np.array_equal(getattr(seen, name)[~changed], getattr(samples, name)[~changed])
 
 
-def test_it_grows_with_the_distance_and_the_factor():
-    near, far = np.full((200, 40, 40), -0.35, dtype=np.float32), np.full((200, 40, 40), -1.5, dtype=np.float32)
-    floor, growth, nearest = AXIAL
-    for heights in (near, far):
-        noise = sensor_noise(heights, 0.02, np.random.default_rng(0))
-        # Neighbouring cells share the drift, so their difference is noise alone.
-        spread = np.std(noise[:, 19, 19] - noise[:, 19, 20]) / np.sqrt(2)
-        expected = floor + growth * (abs(float(heights[0, 0, 0])) - nearest) ** 2
-        assert 0.85 * expected < spread < 1.15 * expected
-    drift = sensor_noise(near, 0.02, np.random.default_rng(0)).mean(axis=(1, 2))
-    assert 0.85 * DRIFT_HEIGHT < drift.std() < 1.15 * DRIFT_HEIGHT
+def test_labels_stay_but_for_hidden_cells(samples):
+    seen = as_seen(samples, 0.02, 1.0, (0,))
+    before, after = samples.heights_tenth_mm != UNKNOWN_HEIGHT, seen.heights_tenth_mm != UNKNOWN_HEIGHT
+    hidden = before & ~after
+    assert not (after & ~before).any() and 0 < hidden.mean() < MOST_HIDDEN
+    assert (seen.cost[hidden] == 255).all() and (seen.reason[hidden] == Reason.UNKNOWN).all()
+    assert np.array_equal(seen.cost[~hidden], samples.cost[~hidden])
+    assert np.array_equal(seen.reason[~hidden], samples.reason[~hidden])
+    assert (seen.heights_tenth_mm != samples.heights_tenth_mm)[after].mean() > 0.9
+
+
+def test_drift_is_a_plane_of_the_stated_size():
+    planes = np.stack([drift(40, 0.02, np.random.default_rng(seed)) for seed in range(300)])
+    for axis in (1, 2):
+        np.testing.assert_allclose(np.diff(planes, n=2, axis=axis), 0, atol=1e-6)
+    assert planes.mean(axis=(1, 2)).std() == pytest.approx(DRIFT_HEIGHT, rel=0.15)

@@ -11,11 +11,12 @@ from footsel.learning.recipe import Recipe
 
 
 @pytest.mark.parametrize("name", ["paper", "footsel"])
-def test_calibrated_weights_take_the_class_weights_out_of_the_odds(layout, name) -> None:
+def test_calibrated_weights_take_the_class_weights_out_of_the_odds(layout, skeleton, name) -> None:
     weight = np.linspace(1.5, 12.0, 14, dtype=np.float32)
     probabilities = {}
     for calibrated in (False, True):
-        learner = Learner(replace(Recipe.load(name), calibrated=calibrated), layout, weight, seed=0)
+        recipe = replace(Recipe.load(name), calibrated=calibrated)
+        learner = Learner(recipe, layout, weight, seed=0, skeleton=skeleton)
         maps = torch.rand(1, learner.net.in_channels, 40, 40, generator=torch.manual_seed(1))
         with torch.no_grad():
             probabilities[calibrated] = learner.usable_network()(maps).softmax(1)

@@ -20,9 +20,13 @@ PLANES = ("height", "unknown", "roll", "pitch")
 WIDTHS, BLOCKS = (12, 8, 16, 24), (1, 1, 2)
 
 
-def network(layout, features=FEATURES, planes=PLANES, reasons=False):
-    torch.manual_seed(0)
-    return FootNet(planes, layout, WIDTHS, BLOCKS, features, reasons).eval()
+@pytest.fixture
+def network(layout, skeleton):
+    def make(features=FEATURES, planes=PLANES, reasons=False):
+        torch.manual_seed(0)
+        return FootNet(planes, layout, WIDTHS, BLOCKS, features, reasons, skeleton).eval()
+
+    return make
 
 
 @pytest.mark.parametrize("bfloat16", [False, True])
@@ -42,10 +46,10 @@ def test_places_are_foot_centres_in_base_axes(layout, bfloat16):
         np.testing.assert_allclose(place[index, 3:].permute(1, 2, 0).numpy() * 0.85, offsets[index], atol=1e-6)
 
 
-@pytest.mark.parametrize("features", [(), ("drops",), ("rises", "place"), ("place", "along_leg"), FEATURES])
+@pytest.mark.parametrize("features", [(), ("drops",), ("rises", "place"), ("place", "clearance"), FEATURES])
 @pytest.mark.parametrize("planes", [("height",), PLANES])
-def test_every_cell_gets_fourteen_logits(layout, features, planes):
-    net = network(layout, features, planes)
+def test_every_cell_gets_fourteen_logits(network, features, planes):
+    net = network(features, planes)
     maps = torch.rand(3, len(planes), 40, 40)
     logits = net(maps)
     assert logits.shape == (3, 14, 40, 40) and net.in_channels == len(planes)
@@ -53,18 +57,18 @@ def test_every_cell_gets_fourteen_logits(layout, features, planes):
 
 
 @pytest.mark.parametrize("feature", FEATURES)
-def test_a_feature_that_is_left_out_is_gone(layout, feature):
-    builds_on_it = {"place": {"along_leg"}}.get(feature, set())
-    without = network(layout, [name for name in FEATURES if name not in {feature, *builds_on_it}])
-    whole = network(layout)
+def test_a_feature_that_is_left_out_is_gone(network, feature):
+    builds_on_it = {"place": {"clearance"}}.get(feature, set())
+    without = network([name for name in FEATURES if name not in {feature, *builds_on_it}])
+    whole = network()
     assert getattr(whole, feature) is not None and getattr(without, feature) is None
     count = [sum(p.numel() for p in net.parameters()) for net in (whole, without)]
     assert count[1] < count[0]
 
 
-def test_millimetres_are_seen_under_autocast(layout):
+def test_millimetres_are_seen_under_autocast(network):
     """A step of half a millimetre is below what bfloat16 tells apart in a height, and still seen."""
-    net = network(layout)
+    net = network()
     flat = np.full((1, 40, 40), -0.448, dtype=np.float32)
     step = flat.copy()
     step[:, 20:] += 0.0005
@@ -76,8 +80,8 @@ def test_millimetres_are_seen_under_autocast(layout):
     assert (cells[0] - cells[1])[0, :, 18:22].abs().max() > 1e-3
 
 
-def test_reasons_are_learnt_beside_and_can_go(layout):
-    net = network(layout, reasons=True)
+def test_reasons_are_learnt_beside_and_can_go(network):
+    net = network(reasons=True)
     maps = torch.rand(2, 4, 40, 40)
     logits, reasons = net.with_reasons(maps)
     assert reasons.shape == (2, 5, 40, 40)
@@ -88,16 +92,16 @@ def test_reasons_are_learnt_beside_and_can_go(layout):
     assert set(net.state_dict()) - set(without.state_dict()) == {"reason_head.weight", "reason_head.bias"}
 
 
-def test_no_constant_is_stored_with_the_weights(layout):
+def test_no_constant_is_stored_with_the_weights(network):
     """They follow from the layout, so a file is small and cannot contradict it."""
-    buffers = {name for name, _ in network(layout).named_buffers()} - set(network(layout).state_dict())
-    assert {"drops.weight", "drops.bias", "place.x", "known_shares.weight"} <= buffers
+    buffers = {name for name, _ in network().named_buffers()} - set(network().state_dict())
+    assert {"drops.weight", "drops.bias", "place.x", "known_shares.weight", "clearance.weight"} <= buffers
 
 
 @pytest.mark.parametrize("architecture", ["erfnet", "footnet"])
-def test_the_named_bias_is_added_to_the_logits(layout, architecture):
+def test_the_named_bias_is_added_to_the_logits(layout, skeleton, architecture):
     recipe = Recipe.load("paper" if architecture == "erfnet" else "footsel")
-    net = build_network(recipe, layout).eval()
+    net = build_network(recipe, layout, skeleton).eval()
     assert isinstance(net, ERFNet if architecture == "erfnet" else FootNet)
     maps = torch.rand(1, net.in_channels, 40, 40)
     with torch.no_grad():
@@ -106,7 +110,7 @@ def test_the_named_bias_is_added_to_the_logits(layout, architecture):
         torch.testing.assert_close(net(maps) - before, torch.arange(14.0)[None, :, None, None].expand_as(before))
 
 
-def test_a_recipe_sets_widths_and_blocks(layout):
+def test_a_recipe_sets_widths_and_blocks(layout, skeleton):
     recipe = replace(Recipe.load("footsel"), widths=(16, 8, 16, 24), blocks=(0, 1, 3))
-    net = build_network(recipe, layout)
+    net = build_network(recipe, layout, skeleton)
     assert net.head.in_channels == 8 and [len(stage) for stage in (net.fine, net.middle, net.coarse)] == [0, 1, 3]

@@ -131,15 +131,16 @@ from footsel.learning.learner import Learner
 from footsel.learning.ranks import ranks_of_torchrun
 from footsel.learning.recipe import Recipe
 from footsel.learning.shared_layers import share_layers
+from footsel.learning.skeleton import LegSkeleton
 from footsel.robot import load_robot
 
-layout = load_robot("anymal_b").layout
+layout, skeleton = load_robot("anymal_b").layout, LegSkeleton.of(load_robot("anymal_b"), "LF")
 weights = np.linspace(1, 3, 14, dtype=np.float32)
 with ranks_of_torchrun() as ranks:
     found = {{}}
     for recipe in sys.argv[2:]:
         for maps in (7, 1):
-            learner = Learner(Recipe.load(recipe), layout, weights, 0, ranks)
+            learner = Learner(Recipe.load(recipe), layout, weights, 0, ranks, skeleton)
             if ranks.count == 1:
                 share_layers(learner.net, ranks)
             loss = learner.update(stepped_maps(maps, maps), 1e-12, 0)

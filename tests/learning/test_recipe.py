@@ -85,11 +85,12 @@ def test_a_wrong_value_is_named(key, value):
         ("blocks", (1, 2)),
         ("blocks", (1, -1, 2)),
         ("features", ("drops", "colour")),
-        ("features", ("drops", "along_leg")),
+        ("features", ("drops", "clearance")),
         ("ordinal", -1),
         ("reason_weight", math.inf),
         ("collision_weight", 0),
         ("noise", -0.5),
+        ("noise", 1.5),
     ],
 )
 def test_a_wrong_network_or_loss_is_named(key, value):

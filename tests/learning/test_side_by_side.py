@@ -87,7 +87,7 @@ def test_the_models_are_those_of_one_after_the_other(make_samples, tmp_path):
             write_shard(shard_path(tmp_path / "data", pair, number), pack_shard(make_samples(8, 2 * seed + number)))
         entries[pair] = pair_entry([record_shard(tmp_path / "data", pair, number) for number in range(2)])
     write_json(tmp_path / "data" / MANIFEST, {"config": {"robot": "anymal_b"}, "pairs": entries})
-    recipe = replace(Recipe.load("footsel"), batch_size=4, noise=1.0)
+    recipe = replace(Recipe.load("footsel"), batch_size=4, noise=0.5)
     weights = {}
     for name, run in (("turns", in_turn), ("both", side_by_side)):
         out = tmp_path / name

@@ -1,0 +1,105 @@
+"""A leg as a network's fixed layer needs it: closed-form kinematics in numbers, and balls in place of its bodies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from footsel.oracle.swing_bodies import SwingBodies
+from footsel.robot import Robot
+
+#: Balls along a body are at most this far apart, in cells of the local map.
+SPACING = 3.5
+#: Balls are so many times as thick as the body, to make up for rims and corners. By trial on 200 local maps: of the
+#: cells in range, the least clearance then tells 98.0 % as the oracle does; with balls as thick as the body 97.0 %.
+THICKENED = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class LegSkeleton:
+    """Lengths of one leg and balls along what may touch the terrain.
+
+    basis: (3, 3) rows u, v, w of footsel.robot.LegKinematics in the base frame. haa: (3,) point of the HAA axis from
+    the hip point L_i, in the base frame, in [m]. hfe_offset: (2,) HFE axis from there along u and w, in [m].
+    plane_offset: of the foot's centre along v, in [m]. thigh, shank: (2,) links along u and w at zero angles, in [m].
+    knee_branch, below: signs, as in LegKinematics.
+    link: (m,) 0 for a ball on the thigh, 1 on the shank. balls: (m, 3) centre along u, v, w at zero angles, from the
+    HFE axis (thigh) or the KFE axis (shank), v from the HAA axis, in [m]. radius: (m,) in [m].
+    """
+
+    basis: NDArray[np.float64]
+    haa: NDArray[np.float64]
+    hfe_offset: NDArray[np.float64]
+    plane_offset: float
+    thigh: NDArray[np.float64]
+    shank: NDArray[np.float64]
+    knee_branch: float
+    below: float
+    link: NDArray[np.int64]
+    balls: NDArray[np.float64]
+    radius: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, robot: Robot, leg: str) -> "LegSkeleton":
+        """The leg `leg` of a robot, with balls in the bodies that the oracle holds against the terrain."""
+        kinematics = robot.kinematics[leg]
+        bodies = SwingBodies.of(robot, leg, robot.bodies[leg].trimmed)
+        to_hfe = kinematics.basis @ (kinematics.hfe - kinematics.haa)
+        to_kfe = kinematics.basis @ (kinematics.kfe - kinematics.hfe)
+        aside = np.array([to_hfe[1], to_hfe[1] + to_kfe[1]])  # Of the two joints' points along v.
+        links, balls, radii = [], [], []
+        for body, link, rotation, centre in zip(
+            bodies.bodies, bodies.link, bodies.rotation, bodies.centre, strict=True
+        ):
+            axis, half_length, radius = _medial_axis(body.shape)
+            farthest = max(half_length - radius, 0.0)
+            count = 1 + int(np.ceil(2 * farthest / (SPACING * robot.layout.resolution)))
+            for along in np.linspace(-farthest, farthest, count):
+                links.append(int(link))
+                balls.append(centre + along * rotation[:, axis] + np.array([0.0, aside[link], 0.0]))
+                radii.append(THICKENED * radius)
+        return cls(
+            basis=kinematics.basis,
+            haa=kinematics.haa - kinematics.hip,
+            hfe_offset=kinematics.hfe_offset,
+            plane_offset=kinematics.plane_offset,
+            thigh=kinematics.thigh,
+            shank=kinematics.shank,
+            knee_branch=kinematics.knee_branch,
+            below=kinematics.below,
+            link=np.array(links),
+            balls=np.array(balls),
+            radius=np.array(radii),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain JSON values; `from_dict` is its inverse."""
+        return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(self).items()}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "LegSkeleton":
+        """From the JSON values of `to_dict`."""
+        arrays: dict[str, Any] = {
+            key: np.array(value) if isinstance(value, list) else value for key, value in values.items()
+        }
+        return cls(**arrays)
+
+
+def _medial_axis(shape: Any) -> tuple[int, float, float]:
+    """Index of a body's longest axis, half its length, and the radius of balls that fill the body along it, in [m]."""
+    if isinstance(shape, coal.Sphere):
+        return 2, 0.0, float(shape.radius)
+    if isinstance(shape, coal.Cylinder):
+        return 2, float(shape.halfLength), float(shape.radius)
+    if isinstance(shape, coal.Capsule):
+        return 2, float(shape.halfLength + shape.radius), float(shape.radius)
+    if not isinstance(shape, coal.Box):
+        shape.computeLocalAABB()
+        half = np.asarray(shape.aabb_local.max_ - shape.aabb_local.min_) / 2
+    else:
+        half = np.asarray(shape.halfSide)
+    axis = int(np.argmax(half))
+    return axis, float(half[axis]), float(np.mean(np.delete(half, axis)))

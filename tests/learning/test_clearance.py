@@ -1,0 +1,149 @@
+"""The leg over the terrain: its balls are where its bodies are, and clear what they clear."""
+
+import numpy as np
+import pytest
+import torch
+
+from footsel.footholds import Reason
+from footsel.footholds.encoding import TILT_RANGE, InputEncoding
+from footsel.footholds.pose import BasePose, tilt_rotation
+from footsel.learning.clearance import LARGEST_CLEARANCE, LegClearance
+from footsel.learning.place import Place
+from footsel.learning.skeleton import LegSkeleton
+from footsel.legs import LEGS
+from footsel.oracle import Oracle
+from footsel.oracle.swing_bodies import SwingBodies
+from footsel.robot import load_robot
+from footsel.terrain.courses import make_course
+from footsel.terrain.local_map import cell_offsets
+
+PLANES = ("height", "unknown", "roll", "pitch")
+TILTS = [(0.0, 0.0), (0.2, -0.1), (-0.15, 0.25)]
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("anymal_b")
+
+
+def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
+    """(balls, 40, 40) in [m], and the layer that made them."""
+    layer = LegClearance(robot.layout, skeleton or LegSkeleton.of(robot, leg))
+    encode = InputEncoding(PLANES, False, robot.layout.height_range).encode
+    maps = torch.from_numpy(encode(heights[None], roll, pitch))
+    depth, known, tilts = maps[:, :1], 1 - maps[:, 1:2], (maps[:, 2:3, :1, :1], maps[:, 3:4, :1, :1])
+    place = Place(robot.layout)(depth, *tilts)
+    found = layer(place, depth, known, *tilts)[0].numpy()
+    return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, place, tilts)
+
+
+@pytest.mark.parametrize("leg", LEGS)
+@pytest.mark.parametrize(("roll", "pitch"), TILTS)
+def test_balls_are_in_the_bodies(robot, leg, roll, pitch):
+    """Where the oracle's own kinematics put the bodies, the balls lie, the same in body axes for every foothold."""
+    heights = np.random.default_rng(0).uniform(-0.6, -0.3, (40, 40)).astype(np.float32)
+    _, (layer, place, tilts) = clearances(robot, leg, heights, roll, pitch)
+    where = layer.centres(place, *(tilt * TILT_RANGE for tilt in tilts))[0].reshape(3, -1, 40, 40).numpy()
+    where[:2] = (where[:2] - 19.5) * 0.02
+    tilt = tilt_rotation(roll, pitch)
+    feet = np.concatenate([cell_offsets(40, 0.02), (heights + 0.031)[..., None]], axis=-1) @ tilt
+    angles, reachable = robot.kinematics[leg].inverse(feet)
+    cells = np.flatnonzero(reachable)[:: max(reachable.sum() // 50, 1)]
+    bodies, first = SwingBodies.of(robot, leg, robot.bodies[leg].trimmed), None
+    skeleton = layer._skeleton
+    for cell in cells:
+        placements = bodies.placements(angles[cell])
+        balls = where.reshape(3, -1, 1600)[:, :, cell].T @ tilt  # In base axes.
+        in_links = []
+        for ball, link in zip(balls, skeleton.link, strict=True):
+            # One body of the ball's link carries its axes.
+            body = placements[int(np.flatnonzero(bodies.link == link)[0])]
+            in_links.append(np.array(body.getRotation()).T @ (ball - np.array(body.getTranslation())))
+        first = in_links if first is None else first
+        np.testing.assert_allclose(in_links, first, atol=2e-5)
+    assert len(cells) > 20 and len(skeleton.radius) > 10
+
+
+def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
+    """Against a loop: the surface a ball rests on is that of the cells in square rings around, bilinear between."""
+    heights = np.random.default_rng(1).uniform(-0.6, -0.45, (40, 40)).astype(np.float32)
+    heights[5:9, 20:30] = np.nan
+    skeleton = LegSkeleton.of(robot, "LF")
+    found, (layer, place, tilts) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
+    centres = layer.centres(place, *(tilt * TILT_RANGE for tilt in tilts))
+    row, column, z = centres[0].reshape(3, -1, 40, 40).numpy()
+
+    def touching(radius, a, b):
+        highest = -np.inf
+        for c in range(max(a - 4, 0), min(a + 5, 40)):
+            for d in range(max(b - 4, 0), min(b + 5, 40)):
+                aside = 0.02 * max(abs(c - a), abs(d - b))
+                height = -0.85 * 3 if np.isnan(heights[c, d]) else heights[c, d]
+                if aside < radius - 1e-9:
+                    highest = max(highest, height + np.sqrt(radius**2 - aside**2))
+        return highest
+
+    for ball, i, j in np.random.default_rng(2).integers(0, (len(skeleton.radius), 40, 40), (300, 3)):
+        a, b = (float(np.clip(index[ball, i, j], 0, 39)) for index in (row, column))
+        below = sum(
+            max(1 - abs(a - c), 0) * max(1 - abs(b - d), 0) * touching(skeleton.radius[ball], c, d)
+            for c in {int(a), min(int(a) + 1, 39)}
+            for d in {int(b), min(int(b) + 1, 39)}
+        )
+        assert found[ball, i, j] == pytest.approx(np.clip(z[ball, i, j] - below, -0.1, 0.1), abs=1e-5)
+
+
+def test_rounding_decides_nothing(robot):
+    """A thousandth of a millimetre moves no clearance by much more: no lookup falls from one cell into another."""
+    heights = np.random.default_rng(3).uniform(-0.6, -0.4, (40, 40)).astype(np.float32)
+    before, after = (clearances(robot, "LF", heights + shift)[0] for shift in (0, np.float32(1e-6)))
+    assert np.abs(after - before).max() < 1e-4
+
+
+@pytest.mark.parametrize("leg", ["LF", "LH"])
+def test_it_tells_collisions_as_the_oracle_does(robot, leg):
+    """In range, on the courses with most obstacles, the least clearance is wrong in one cell of fifteen at most."""
+    oracle, agree, cells, collisions = Oracle(robot), 0, 0, 0
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        course = make_course(("stones", "pillars", "rubble", "blocks")[seed % 4], seed, size=3.0)
+        x, y, yaw = *rng.uniform(-0.5, 0.5, 2), rng.uniform(-np.pi, np.pi)
+        roll, pitch = rng.uniform(-0.2, 0.2, 2)
+        pose = BasePose(x, y, robot.layout.ground_height(course, x, y, yaw) + rng.uniform(0.4, 0.52), roll, pitch, yaw)
+        local_map = robot.layout.local_map(course, pose, leg)
+        reason = oracle.label(local_map, leg, roll, pitch).reason
+        least = clearances(robot, leg, local_map.heights, roll, pitch)[0].min(axis=0)
+        asked = (reason == Reason.FEASIBLE) | (reason == Reason.TERRAIN_COLLISION)
+        collides = reason[asked] == Reason.TERRAIN_COLLISION
+        agree += int(((least[asked] < 0.005) == collides).sum())
+        cells, collisions = cells + int(asked.sum()), collisions + int(collides.sum())
+    assert collisions > 0.1 * cells  # Who sees nothing is wrong in these.
+    assert agree > (1 - 1 / 15) * cells
+
+
+def test_unknown_cells_collide_with_nothing(robot):
+    heights = np.full((40, 40), np.nan, dtype=np.float32)
+    heights[20, 20] = -0.45
+    found = clearances(robot, "LF", heights)[0][:, 20, 20]
+    far = [ball for ball in range(len(found)) if LegSkeleton.of(robot, "LF").link[ball] == 0]
+    np.testing.assert_allclose(found[far], 0.1, rtol=1e-6)
+
+
+def test_nothing_is_learnt_and_nothing_is_rounded(robot):
+    heights = np.full((40, 40), -0.45, dtype=np.float32)
+    exact, (layer, place, tilts) = clearances(robot, "LF", heights)
+    assert not list(layer.parameters()) and not layer.state_dict()
+    with torch.autocast("cpu", torch.bfloat16):
+        maps = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights[None]))
+        found = layer(place.requires_grad_(), maps[:, :1], 1 - maps[:, 1:2], *tilts)
+    assert found.dtype == torch.float32 and not found.requires_grad
+    np.testing.assert_allclose(found[0].numpy() * 0.1, exact, rtol=1e-6)
+
+
+def test_a_skeleton_survives_json(robot):
+    import json
+
+    skeleton = LegSkeleton.of(robot, "LH")
+    again = LegSkeleton.from_dict(json.loads(json.dumps(skeleton.to_dict())))
+    assert again.to_dict() == skeleton.to_dict()
+    np.testing.assert_array_equal(again.balls, skeleton.balls)
