@@ -177,6 +177,9 @@ def test_families_can_be_left_out(config):
         "rubble",
     }
     assert SamplingRecipe.of("footsel", families=("flat",)).families == ("flat",)
+    # The paper's one map is composed of the others; families that are asked for come as courses of their own.
+    assert SamplingRecipe.of("paper", exclude=("pillars",), map_seed=3).map_seed == 3
+    assert SamplingRecipe.of("paper", families=("pillars",), map_seed=3).map_seed is None
     for wrong in ({"families": ("lava",)}, {"exclude": ("lava",)}, {"recipe": "cake"}, {"robot": "cat"}):
         with pytest.raises(UnknownNameError, match=r"lava|cake|cat"):
             replace(config, **wrong)

@@ -183,6 +183,14 @@ def test_training_map_is_12_m_of_everything():
     assert abs(np.median(terrain.elevation)) < 0.05
 
 
+def test_the_training_map_can_do_without_some_families():
+    flat = training_map(0, families=("flat",)).elevation
+    assert np.abs(flat).max() < 1e-6
+    tame = training_map(0, families=("flat", "rough"))
+    # Neither has a cliff; slopes meet others in steep seams.
+    assert tame.shape == training_map(0).shape and steepness(tame).max() < 3 < steepness(training_map(0)).max()
+
+
 def test_seams_of_the_training_map_are_no_cliffs():
     z = training_map(2).elevation
     at_seams = np.concatenate([np.abs(np.diff(z, axis=0))[100 * k - 1] for k in range(1, 6)])
