@@ -1,7 +1,6 @@
-"""What judging.md says of temperature, thresholds and the oracle: python docs/judging_study.py MODEL DATASET
+"""What judging.md says of temperature and thresholds: python docs/judging_study.py MODEL DATASET
 
-Each half of the dataset's courses is judged with the temperature and the threshold chosen on the other half. The oracle
-is given the degraded maps that networks are given.
+Each half of the dataset's courses is judged with the temperature and the threshold chosen on the other half.
 """
 
 import sys
@@ -13,17 +12,12 @@ from scipy.optimize import minimize_scalar
 from footsel.dataset import open_dataset
 from footsel.footholds import Reason
 from footsel.footholds.cost import INFEASIBLE_CLASS, softmax
-from footsel.footholds.metrics import PickMetrics
-from footsel.learning.degraded import Degradation, degraded
 from footsel.learning.evaluate import EvaluatedModel, find_models
 from footsel.learning.loss import LABEL_CLASS
-from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
 from footsel.learning.predictions import CHUNK, predict_all
 from footsel.learning.reliability import Reliability
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
 from footsel.legs import TRAINED_LEG
-from footsel.oracle import Oracle
-from footsel.terrain import LocalMap
 
 SPLITS = 20
 #: Cells that a temperature is fitted to; more do not change its third digit.
@@ -95,35 +89,9 @@ def study_threshold(found: EvaluatedModel, dataset_dir: Path) -> None:
     )
 
 
-def study_oracle(found: EvaluatedModel, dataset_dir: Path) -> None:
-    """The picks of an oracle that believes degraded maps, judged as a network's are."""
-    samples, leg = open_dataset(dataset_dir).load(found.pair), TRAINED_LEG[found.pair]
-    oracle, resolution = Oracle.load(found.robot), found.layout.resolution
-    distances = nominal_distances(found.layout, leg, samples.roll, samples.pitch)
-    for degradation in (Degradation("d435"), Degradation(holes=0.2), Degradation("d435", 0.2)):
-        seen = degraded(samples, degradation, resolution)
-        labels = [
-            oracle.label(LocalMap(heights, resolution, np.zeros(3), 0.0), leg, roll, pitch)
-            for heights, roll, pitch in zip(seen.heights(), seen.roll.tolist(), seen.pitch.tolist(), strict=True)
-        ]
-        cost, feasible = (np.array([getattr(label, name) for label in labels]) for name in ("cost_image", "feasible"))
-        picks = PickMetrics()
-        picks.update(
-            pick_cells(final_cost_maps(cost, feasible, distances), distances),
-            final_cost_maps(seen.cost, seen.reason == Reason.FEASIBLE, distances),
-            seen.reason,
-        )
-        result = picks.result()
-        print(
-            f"{found.pair} legs, oracle, noise {degradation.noise}, holes {degradation.holes}: infeasible picks "
-            f"{result['infeasible_rate']:.2%}, missed {result['missed_rate']:.2%}, regret {result['regret_mean']:.1f}"
-        )
-
-
 if __name__ == "__main__":
     model, dataset_dir = map(Path, sys.argv[1:])
     for found in find_models(model):
         if found.pair in open_dataset(dataset_dir).pairs:
             study_temperature(found, dataset_dir)
             study_threshold(found, dataset_dir)
-            study_oracle(found, dataset_dir)

@@ -23,8 +23,11 @@ COMMANDS = {
     "bench.json": "make bench",
     "courses.json": "footsel compare",
     "dataset.json": "python docs/measure_dataset.py",
+    "degraded.json": "python docs/judge.py degraded",
+    "held_out.json": "python docs/judge.py held_out",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
+    "paper.json": "python docs/judge.py paper",
     "verify.json": "make verify",
     "verify_meshes.json": "make verify-meshes",
     "verify_pybullet.json": "make verify-pybullet",
@@ -118,6 +121,70 @@ def models() -> str:
             row("mean regret", "picks", "regret_mean", number),
         ],
     )
+
+
+#: What the paper reports on its validation set (its table I): accuracy and IoU of the front and the rear model.
+PAPER_REPORTS = {"front": (0.8261, 0.499), "hind": (0.8261, 0.4988)}
+
+
+def paper() -> str:
+    """Our training by the paper's recipe beside the paper's figures."""
+    networks = read(RESULTS / "paper.json")["networks"]
+    rows = []
+    for pair, (accuracy, iou) in PAPER_REPORTS.items():
+        own, unseen = (networks[pair][key]["cells_likeliest"] for key in ("validation", "unseen"))
+        for name, reported, key in (("accuracy", accuracy, "accuracy"), ("IoU", iou, "miou")):
+            rows.append([f"{name}, {pair}", percent(reported), percent(own[key]), percent(unseen[key])])
+    front = networks["front"]
+    head = ["14 classes, the most probable one", "the paper, 500 epochs"]
+    head += [f"ours, {front['epochs']} epochs, its own map", f"the same, {', '.join(front['exclude'])}: never seen"]
+    return table(head, rows)
+
+
+def held_out() -> str:
+    """Families seen in training and families that were not."""
+    networks = read(RESULTS / "held_out.json")["networks"]
+    rows = []
+    for pair, found in networks.items():
+        groups = {"families trained on": found["seen"], "families never seen": found["unseen"]}
+        groups |= {f"of these, {name}": figures for name, figures in found["families"].items()}
+        rows += [
+            [
+                f"{pair}, {name}",
+                percent(group["cells_likeliest"]["accuracy"]),
+                percent(group["cells_likeliest"]["miou_present"]),
+                percent(group["cells"]["false_safe_rate"]),
+                percent(group["picks"]["infeasible_rate"]),
+                percent(group["picks"]["missed_rate"]),
+                number(group["picks"]["regret_mean"]),
+            ]
+            for name, group in groups.items()
+        ]
+    figures = ["accuracy", "mean IoU", "false-safe", "infeasible picks", "missed", "mean regret"]
+    return table(["maps", *figures], rows)
+
+
+def degraded() -> str:
+    """Picks from degraded maps, of the networks and of the oracle."""
+    result = read(RESULTS / "degraded.json")
+    names = {
+        "none": "the true map",
+        "noise": "`--noise d435`",
+        "holes": "`--holes 0.2`",
+        "both": "both",
+    }
+    rows = []
+    for whose, by_network in (("network", result["networks"]), ("oracle", result["oracle"])):
+        for key, name in names.items():
+            row = [f"{whose}, {name}"]
+            for network in result["networks"]:
+                found = by_network[network][key]
+                picks = found["picks"] if whose == "network" else found
+                row += [percent(picks["infeasible_rate"]), percent(picks["missed_rate"]), number(picks["regret_mean"])]
+            rows.append(row)
+    figures = ("infeasible picks", "missed", "mean regret")
+    head = ["input", *(f"{network}: {figure}" for network in result["networks"] for figure in figures)]
+    return table(head, rows)
 
 
 def comparison(file: str) -> str:
@@ -394,6 +461,7 @@ def ablations_conditions() -> str:
 PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {
         "models": models,
+        "paper": paper,
         "courses": lambda: comparison("courses.json"),
         "maps": lambda: comparison("maps.json"),
         "speed": speed,
@@ -403,7 +471,9 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "dataset": dataset,
     },
     "docs/dataset.md": {"dataset": dataset, "families": dataset_families},
+    "docs/judging.md": {"degraded": degraded},
     "docs/learning.md": {
+        "held out": held_out,
         "conditions": ablations_conditions,
         "picks": ablations_picks,
         "cells": ablations_cells,
