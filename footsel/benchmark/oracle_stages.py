@@ -13,7 +13,8 @@ from footsel.benchmark.timing import milliseconds, with_progress
 from footsel.footholds.pose import tilt_rotation
 from footsel.footholds.reasons import Reason
 from footsel.oracle import Oracle
-from footsel.oracle.brute_force import BruteForceOracle, terrain_cost
+from footsel.oracle.brute_force import BruteForceOracle
+from footsel.oracle.brute_force_terrain import terrain_cost
 from footsel.oracle.overlap import UNDECIDED
 from footsel.oracle.self_collision import ExactSelfCollision
 from footsel.oracle.swing_bodies import SwingBodies

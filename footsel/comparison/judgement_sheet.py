@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from footsel.comparison import palette, panels
 from footsel.errors import MissingExtraError
 from footsel.footholds import Reason
+from footsel.learning.threshold import MOST_INFEASIBLE_PICKS, MOST_MISSED
 
 try:
     from matplotlib.axes import Axes
@@ -27,8 +28,6 @@ RELIABILITIES = (
 )
 #: Fewer events than this say little of a frequency.
 ENOUGH_EVENTS = 10
-#: Limits of missed footholds and infeasible picks that are drawn as a goal, shares.
-MISSED_LIMIT, INFEASIBLE_LIMIT = 0.01, 0.007
 PROBABILITY_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 NAMED_THRESHOLDS = (0.9, 0.5, 0.1, 0.01, 0.001)
 
@@ -82,8 +81,8 @@ def draw_thresholds(axes: Axes, curve: Sequence[Mapping[str, Any]], chosen: floa
         np.array([np.nan if point[key] is None else point[key] for point in curve], dtype=np.float64)
         for key in ("missed_rate", "infeasible_rate", "regret_mean")
     )
-    axes.axvspan(0, 100 * MISSED_LIMIT, color=palette.REASON_COLOURS[Reason.FEASIBLE], alpha=0.3, linewidth=0)
-    axes.axhspan(0, 100 * INFEASIBLE_LIMIT, color=palette.REASON_COLOURS[Reason.FEASIBLE], alpha=0.3, linewidth=0)
+    axes.axvspan(0, 100 * MOST_MISSED, color=palette.REASON_COLOURS[Reason.FEASIBLE], alpha=0.3, linewidth=0)
+    axes.axhspan(0, 100 * MOST_INFEASIBLE_PICKS, color=palette.REASON_COLOURS[Reason.FEASIBLE], alpha=0.3, linewidth=0)
     axes.plot(100 * missed, 100 * infeasible, color=palette.NEUTRAL_INK, linewidth=0.8, zorder=1)
     dots = axes.scatter(100 * missed, 100 * infeasible, c=regret, cmap=palette.COST_MAP, s=22, zorder=2, edgecolors="k")
     dots.set_linewidth(0.4)
@@ -101,7 +100,7 @@ def draw_thresholds(axes: Axes, curve: Sequence[Mapping[str, Any]], chosen: floa
     at = int(np.abs(np.log(thresholds / chosen)).argmin())
     axes.plot(100 * missed[at], 100 * infeasible[at], "o", markersize=10, fillstyle="none", color=palette.INK)
     # Linear up to what is asked, so that nothing missed at all can be shown too.
-    axes.set_xscale("symlog", linthresh=100 * MISSED_LIMIT)
+    axes.set_xscale("symlog", linthresh=100 * MOST_MISSED)
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.set_xlim(-0.05, 2 * max(100 * float(missed.max(initial=0.0, where=np.isfinite(missed))), 1.0))
     axes.set_ylim(bottom=0)

@@ -54,7 +54,8 @@ class FootNet(FootholdNetwork):
         super().__init__(len(planes))
         self._planes = tuple(planes)
         hidden, fine, middle, coarse = widths
-        self.foot_surface = FootSurface(layout)
+        # Drops alone look at the foot's surface.
+        self.foot_surface = FootSurface(layout) if "drops" in features else None
         self.drops = Drops(layout.height_range) if "drops" in features else None
         self.rises = Rises(layout.height_range) if "rises" in features else None
         self.place = Place(layout) if "place" in features else None
@@ -117,7 +118,7 @@ class FootNet(FootholdNetwork):
                 if self.clearance is not None:
                     itself.append(self.clearance(itself[-1], depth, known, roll, pitch))
             cells: Tensor = self.from_itself(torch.cat(itself, dim=1))
-        foot = self.foot_surface(depth, known)
+        foot = depth if self.foot_surface is None else self.foot_surface(depth, known)
         for layer, weigh in zip(self._relief(), self.from_relief, strict=True):
             cells = cells + weigh(layer(foot if layer is self.drops else depth, known))
         return cells

@@ -6,7 +6,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from footsel.oracle.brute_force import terrain_cost as reference_cost
+from footsel.oracle.brute_force_terrain import terrain_cost as reference_cost
 from footsel.oracle.terrain_cost import FOOT_RADIUS, TerrainCostModel, foot_surface, terrain_costs, terrain_features
 from footsel.terrain import LocalMap
 from footsel.walking.slip.touchdown import touchdown_heights
