@@ -43,6 +43,7 @@ class Recipe:
         trained network's logits again. ema_decay: of the weights' moving average, per update; 0 keeps none.
     precision: "auto", "float32" or "bfloat16" arithmetic of the forward pass.
     architecture: "erfnet" or "footnet"; for the latter widths, blocks, features (footsel.learning.footnet.FootNet).
+    balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
     ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
     noise: share of the training maps that are seen through a depth camera (footsel.learning.augmentation).
     """
@@ -65,6 +66,7 @@ class Recipe:
     widths: tuple[int, ...] = ()
     blocks: tuple[int, ...] = ()
     features: tuple[str, ...] = ()
+    balls: int = 0
     ordinal: float = 0.0
     reason_weight: float = 0.0
     collision_weight: float = 1.0
@@ -99,8 +101,10 @@ class Recipe:
         if self.architecture == "erfnet":
             for key in ("widths", "blocks", "features"):
                 self._check(key, not getattr(self, key), "none: ERFNet has its own")
+            self._check("balls", self.balls == 0, "none: ERFNet has its own")
             self._check("reason_weight", self.reason_weight == 0, "0: ERFNet has one output")
             return
+        self._check("balls", _is_whole(self.balls) and self.balls >= 0, "a number, 0 for all")
         whole = len(self.widths) == 4 and all(_is_whole(width) and width > 0 for width in self.widths)
         self._check(
             "widths", whole and self.widths[1] < self.widths[2] < self.widths[3], "four, the last three growing"

@@ -23,6 +23,7 @@ from footsel.errors import InputError
 from footsel.files import replace_file, write_json
 from footsel.footholds import LegLayout
 from footsel.learning.augmentation import as_seen
+from footsel.learning.ball_choice import with_best_balls
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (
     Progress,
@@ -42,7 +43,7 @@ from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Judgement
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.threshold import choose_feasible_below, threshold_curve
-from footsel.learning.warm_start import lineage, start_from
+from footsel.learning.warm_start import lineage, skeleton_of, start_from
 from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
 
@@ -144,16 +145,23 @@ def fit(
     batches_per_epoch = -(-len(data.training) // recipe.batch_size)
 
     # Model.
-    learner = Learner(recipe, data.layout, weights, seed, ranks, data.skeleton)
+    skeleton = skeleton_of(start, data.pair) or with_best_balls(data.skeleton, data.training, data.layout, recipe.balls)
+    learner = Learner(recipe, data.layout, weights, seed, ranks, skeleton)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
     if start is not None and not resumed:
         start_from(learner, start, data.pair)
     rows = _read_curves(folder / "curves.csv")[: progress.epoch]
 
     # Loop.
-    whole = recipe.epochs * len(data.training)
     silent = None if ranks.first else True  # None: where there is no terminal.
-    bar = tqdm(total=whole, unit="map", desc=data.pair, smoothing=0.05, disable=silent, position=bar_line)
+    bar = tqdm(
+        total=recipe.epochs * len(data.training),
+        unit="map",
+        desc=data.pair,
+        smoothing=0.05,
+        disable=silent,
+        position=bar_line,
+    )
     bar.update(progress.epoch * len(data.training) + progress.maps)
     saved = time.monotonic()
     for epoch in range(progress.epoch, recipe.epochs):
@@ -180,14 +188,15 @@ def fit(
         if not ranks.first:
             continue
         judgement, validation_loss = _validate(learner, data, np.ones_like(weights) if recipe.calibrated else weights)
-        measured = {"train_loss": learnt.mean_loss, "val_loss": validation_loss}
+        # The rate of the epoch's last update, which a resumed training may have made before it was killed.
+        rate = rate_of(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
+        measured = {"lr": rate, "train_loss": learnt.mean_loss, "val_loss": validation_loss}
         seconds = round(time.monotonic() - started, 1)
-        last_rate = rate_of(recipe, epoch, batches_per_epoch - 1, batches_per_epoch)
-        rows.append({"epoch": epoch, "lr": last_rate, **measured, **_curve_figures(judgement), "seconds": seconds})
+        rows.append({"epoch": epoch, **measured, **_curve_figures(judgement), "seconds": seconds})
         info = {
             **config,
             "layout": data.layout.to_dict(),
-            "skeleton": data.skeleton.to_dict(),
+            "skeleton": skeleton.to_dict(),
             "encoding": encoding.to_dict(),
             "in_channels": learner.net.in_channels,
             "classes": learner.net.classes,

@@ -11,10 +11,11 @@ from footsel.learning.checkpoint import read_model
 from footsel.learning.files import MODEL_FILE, weights_file
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
 from footsel.runtime.model_folder import checksum, find_model_folder
 
 #: What must be the same in both recipes for weights to fit.
-_SHAPE = ("architecture", "planes", "widths", "blocks", "features")
+_SHAPE = ("architecture", "planes", "widths", "blocks", "features", "balls")
 
 
 def find_weights(start: str | Path, pair: str) -> Path:
@@ -48,6 +49,12 @@ def lineage(start: str | Path, pair: str) -> dict[str, Any]:
         "version": info["version"],
         "started_from": info.get("started_from"),
     }
+
+
+def skeleton_of(start: str | Path | None, pair: str) -> LegSkeleton | None:
+    """The skeleton that the weights to begin with were trained for; None without them, or if they had none."""
+    values = None if start is None else read_model(find_weights(start, pair))[1].get("skeleton")
+    return None if values is None else LegSkeleton.from_dict(values)
 
 
 def start_from(learner: Learner, start: str | Path, pair: str) -> None:

@@ -86,6 +86,7 @@ def test_a_wrong_value_is_named(key, value):
         ("blocks", (1, -1, 2)),
         ("features", ("drops", "colour")),
         ("features", ("drops", "clearance")),
+        ("balls", -1),
         ("ordinal", -1),
         ("reason_weight", math.inf),
         ("collision_weight", 0),
@@ -99,7 +100,7 @@ def test_a_wrong_network_or_loss_is_named(key, value):
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("widths", (48, 16, 32, 64)), ("features", ("drops",)), ("reason_weight", 0.5)]
+    ("key", "value"), [("widths", (48, 16, 32, 64)), ("features", ("drops",)), ("balls", 6), ("reason_weight", 0.5)]
 )
 def test_erfnet_has_no_choices(key, value):
     with pytest.raises(InputError, match=f"{key} of recipe paper .*ERFNet"):
@@ -108,7 +109,8 @@ def test_erfnet_has_no_choices(key, value):
 
 def test_a_recipe_of_before_these_choices_is_erfnet_with_none_of_them():
     values = Recipe.load("paper").to_dict()
-    new = ("architecture", "widths", "blocks", "features", "ordinal", "reason_weight", "collision_weight", "noise")
+    new = ("architecture", "widths", "blocks", "features", "balls", "ordinal", "reason_weight", "collision_weight")
+    new += ("noise",)
     assert Recipe.from_dict({key: value for key, value in values.items() if key not in new}) == Recipe.load("paper")
 
 

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from footsel.errors import ModelError
+from footsel.learning.ball_choice import with_best_balls
 from footsel.learning.checkpoint import load_network, released_weights
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
@@ -19,6 +20,12 @@ RECIPES = {
     "paper": replace(Recipe.load("paper"), epochs=1, batch_size=8),
     "footsel": replace(Recipe.load("footsel"), epochs=1, batch_size=8, reason_weight=0.2),
 }
+
+
+@pytest.fixture
+def few_balls(data):
+    """The skeleton with the balls that the run gets."""
+    return with_best_balls(data.skeleton, data.training, data.layout, RECIPES["footsel"].balls)
 
 
 @pytest.fixture(params=RECIPES)
@@ -47,8 +54,8 @@ def logits(net, maps):
         return net(maps)
 
 
-def test_the_weights_to_use_are_those_of_the_run(run, recipe, layout, skeleton, samples):
-    learner = Learner(recipe, layout, WEIGHTS, seed=3, skeleton=skeleton)
+def test_the_weights_to_use_are_those_of_the_run(run, recipe, layout, few_balls, samples):
+    learner = Learner(recipe, layout, WEIGHTS, seed=3, skeleton=few_balls)
     maps = learner.encode(samples)
     expected = logits(load_network(run / "front")[0], maps)
     assert (logits(learner.usable_network(), maps) - expected).abs().max() > 0.1
@@ -56,16 +63,16 @@ def test_the_weights_to_use_are_those_of_the_run(run, recipe, layout, skeleton, 
     torch.testing.assert_close(logits(learner.usable_network(), maps), expected, rtol=1e-4, atol=1e-4)
 
 
-def test_training_begins_with_the_tilt_of_the_class_weights(run, recipe, layout, skeleton):
-    learner = Learner(replace(recipe, calibrated=True), layout, WEIGHTS, seed=3, skeleton=skeleton)
+def test_training_begins_with_the_tilt_of_the_class_weights(run, recipe, layout, few_balls):
+    learner = Learner(replace(recipe, calibrated=True), layout, WEIGHTS, seed=3, skeleton=few_balls)
     start_from(learner, run, "front")
     bias = learner.net.class_bias
     tilt = learner.net.get_parameter(bias).detach() - learner.weights()[bias]
     np.testing.assert_allclose(tilt.numpy(), np.log(WEIGHTS), rtol=1e-4)
 
 
-def test_a_release_s_weights_are_half_as_large_and_nearly_the_same(run, release, recipe, layout, skeleton, samples):
-    learner = Learner(recipe, layout, WEIGHTS, seed=3, skeleton=skeleton)
+def test_a_release_s_weights_are_half_as_large_and_nearly_the_same(run, release, recipe, layout, few_balls, samples):
+    learner = Learner(recipe, layout, WEIGHTS, seed=3, skeleton=few_balls)
     maps = learner.encode(samples)
     start_from(learner, release, "front")
     net = load_network(run / "front")[0]
@@ -106,29 +113,38 @@ def test_a_second_sitting_is_resumed_like_any_other(data, run, recipe, tmp_path)
     assert fit(data, tmp_path / "whole", longer, resume=True, start=run) == whole
 
 
+def test_a_second_sitting_keeps_the_balls_of_the_first(data, tmp_path):
+    """Whichever its own maps would choose: weights belong to them."""
+    first = fit(data, tmp_path / "first" / "front", RECIPES["footsel"])
+    other = replace(data, skeleton=replace(data.skeleton, balls=data.skeleton.balls + 0.01))
+    second = fit(other, tmp_path / "second" / "front", RECIPES["footsel"], start=tmp_path / "first")
+    assert second["skeleton"] == first["skeleton"]
+    assert fit(other, tmp_path / "third" / "front", RECIPES["footsel"])["skeleton"] != first["skeleton"]
+
+
 @pytest.mark.parametrize(
     ("key", "value"), [("planes", ("height", "unknown")), ("widths", (16, 8, 16, 24)), ("features", ("drops",))]
 )
-def test_another_network_is_refused(data, layout, skeleton, tmp_path, key, value):
+def test_another_network_is_refused(data, layout, few_balls, tmp_path, key, value):
     fit(data, tmp_path / "front", RECIPES["footsel"])
-    learner = Learner(replace(RECIPES["footsel"], **{key: value}), layout, WEIGHTS, seed=0, skeleton=skeleton)
+    learner = Learner(replace(RECIPES["footsel"], **{key: value}), layout, WEIGHTS, seed=0, skeleton=few_balls)
     with pytest.raises(ModelError, match=f"has {key} .* the recipe"):
         start_from(learner, tmp_path, "front")
 
 
-def test_the_reasons_may_come_and_go(data, layout, skeleton, tmp_path, samples):
+def test_the_reasons_may_come_and_go(data, layout, few_balls, tmp_path, samples):
     """They are for training: weights with them serve a recipe without, and the other way round."""
     for before, after in ((0.2, 0.0), (0.0, 0.2)):
         folder = tmp_path / str(before)
         fit(data, folder / "front", replace(RECIPES["footsel"], reason_weight=before))
-        learner = Learner(replace(RECIPES["footsel"], reason_weight=after), layout, WEIGHTS, seed=0, skeleton=skeleton)
+        learner = Learner(replace(RECIPES["footsel"], reason_weight=after), layout, WEIGHTS, seed=0, skeleton=few_balls)
         start_from(learner, folder, "front")
         maps = learner.encode(samples)
         expected = logits(load_network(folder / "front")[0], maps)
         torch.testing.assert_close(logits(learner.usable_network(), maps), expected, rtol=1e-4, atol=1e-4)
 
 
-def test_weights_that_do_not_fit_are_named(layout, skeleton, recipe):
-    learner = Learner(recipe, layout, WEIGHTS, seed=0, skeleton=skeleton)
+def test_weights_that_do_not_fit_are_named(layout, few_balls, recipe):
+    learner = Learner(recipe, layout, WEIGHTS, seed=0, skeleton=few_balls)
     with pytest.raises(RuntimeError, match="do not fit"):
         learner.adopt({name: tensor for name, tensor in learner.weights().items() if "0.convolution" not in name})

@@ -1,0 +1,59 @@
+"""Which balls of a leg's skeleton a network gets: those that tell collisions with terrain on the training maps."""
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from footsel.dataset.samples import Samples
+from footsel.footholds import LegLayout, Reason
+from footsel.footholds.encoding import InputEncoding
+from footsel.learning.clearance import LegClearance
+from footsel.learning.place import Place
+from footsel.learning.skeleton import LegSkeleton
+
+#: Training maps that are looked at, spread over all of them.
+MAPS = 200
+
+
+def with_best_balls(skeleton: LegSkeleton, samples: Samples, layout: LegLayout, count: int) -> LegSkeleton:
+    """The skeleton with at most `count` balls, 0 for all, chosen one by one: each makes the least clearance err least.
+
+    A cell in range errs if the least clearance of the balls says another than the label whether the leg collides there,
+    by the threshold that suits best. Every ball costs a look-up per cell; for ANYmal six of thirteen do nearly as well
+    as all of them (docs/learning.md).
+    """
+    if count == 0 or count >= len(skeleton.radius):
+        return skeleton
+    clearance, collides = _seen(skeleton, samples, layout)
+    chosen: list[int] = []
+    while len(chosen) < count:
+        left = [ball for ball in range(len(skeleton.radius)) if ball not in chosen]
+        errors = [_errors(clearance[:, [*chosen, ball]].min(axis=1), collides) for ball in left]
+        chosen.append(left[int(np.argmin(errors))])
+    kept = sorted(chosen)
+    return replace(skeleton, link=skeleton.link[kept], balls=skeleton.balls[kept], radius=skeleton.radius[kept])
+
+
+def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """(cells, balls) clearances and (cells,) whether the leg collides, of the cells in range on some maps."""
+    some = samples.take(np.linspace(0, len(samples) - 1, min(MAPS, len(samples))).astype(np.intp))
+    encoding = InputEncoding(("height", "unknown", "roll", "pitch"), False, layout.height_range)
+    height, unknown, roll, pitch = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch)).chunk(
+        4, dim=1
+    )
+    roll, pitch = roll[:, :, :1, :1], pitch[:, :, :1, :1]
+    place = Place(layout)(height, roll, pitch)
+    clearance = LegClearance(layout, skeleton)(place, height, 1 - unknown, roll, pitch).permute(0, 2, 3, 1).numpy()
+    collides = some.reason == Reason.TERRAIN_COLLISION
+    in_range = collides | (some.reason == Reason.FEASIBLE)
+    return clearance[in_range], collides[in_range]
+
+
+def _errors(least: NDArray[np.float32], collides: NDArray[np.bool_]) -> int:
+    """Cells that the best threshold on `least` (cells,) calls wrongly."""
+    hits = collides[np.argsort(least, kind="stable")]
+    # Below a threshold that lies after the first n cells all collide, above it none does.
+    wrong = np.cumsum(~hits) + (hits.sum() - np.cumsum(hits))
+    return int(min(wrong.min(initial=len(hits)), hits.sum()))
