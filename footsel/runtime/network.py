@@ -14,6 +14,9 @@ from footsel.terrain import CELLS
 #: The outputs that a choice needs.
 COSTS = (INFEASIBLE_OUTPUT, COST_OUTPUT)
 
+#: Maps per call of onnxruntime: more fall out of a core's cache and take up to half as long again per map.
+BATCH = 8
+
 
 class Network:
     """An onnxruntime session that keeps what its contract says. Safe to call from several threads at once."""
@@ -50,23 +53,38 @@ class Network:
         return cls(session, contract)
 
     def logits(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
-        """(n, 14, 40, 40) scores before the softmax; arguments as in `probabilities`."""
-        return self.run(self.contract.encoding.encode(heights, roll, pitch), LOGITS_OUTPUT)[0]
+        """(n, 14, 40, 40) scores before the softmax; arguments as in `answers`."""
+        return self.answers(heights, roll, pitch, LOGITS_OUTPUT)[0]
 
     def probabilities(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
-        """(n, 14, 40, 40) probability of each class, the last is "infeasible".
-
-        heights: (n, 40, 40) terrain height relative to the trained leg's L_i, NaN = unknown, in [m].
-        roll, pitch: (n,) or scalar tilt of the base, in [rad].
-        """
+        """(n, 14, 40, 40) probability of each class, the last is "infeasible"; arguments as in `answers`."""
         return softmax(self.logits(heights, roll, pitch), axis=1)
 
     def costs(
         self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """(n, 40, 40) probability of "infeasible", and mean cost over all classes; arguments as in `probabilities`."""
-        infeasible, cost = self.run(self.contract.encoding.encode(heights, roll, pitch), *COSTS)
+        """(n, 40, 40) probability of "infeasible", and mean cost over all classes; arguments as in `answers`."""
+        infeasible, cost = self.answers(heights, roll, pitch, *COSTS)
         return infeasible, cost
+
+    def answers(
+        self, heights: ArrayLike, roll: ArrayLike, pitch: ArrayLike, *outputs: str
+    ) -> list[NDArray[np.float32]]:
+        """The named outputs of the graph for n local maps, in batches of the best size.
+
+        heights: (n, 40, 40) terrain height relative to the trained leg's L_i, NaN = unknown, in [m].
+        roll, pitch: (n,) or scalar tilt of the base, in [rad].
+        """
+        heights = np.asarray(heights)
+        encode = self.contract.encoding.encode
+        if len(heights) <= BATCH:
+            return self.run(encode(heights, roll, pitch), *outputs)
+        rolls, pitches = (np.broadcast_to(np.asarray(tilt).reshape(-1), len(heights)) for tilt in (roll, pitch))
+        parts = []
+        for start in range(0, len(heights), BATCH):
+            part = slice(start, start + BATCH)
+            parts.append(self.run(encode(heights[part], rolls[part], pitches[part]), *outputs))
+        return [np.concatenate(output) for output in zip(*parts, strict=True)]
 
     def run(self, planes: NDArray[np.float32], *outputs: str) -> list[NDArray[np.float32]]:
         """The named outputs of the graph for encoded maps (n, planes, 40, 40)."""
