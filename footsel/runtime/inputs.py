@@ -103,9 +103,10 @@ def checked_previous(previous: "Mapping[str, Foothold | ArrayLike | None] | None
     """leg -> (2,) or (3,) world point of the footholds there were; those of status "none" are left out."""
     points: dict[str, ArrayLike] = {}
     for leg, foothold in (previous or {}).items():
+        check_leg(leg)
         point = foothold.position if isinstance(foothold, Foothold) else foothold
         if point is not None:
-            points[check_leg(leg)] = point
+            points[leg] = point
     return checked_points("previous foothold", points)
 
 
