@@ -30,5 +30,5 @@ class UnitWarning:
             f"the terrain under the legs is {np.nanmin(some):.3g} m or more above or below the hips: is the elevation "
             "map in metres, and in the frame of the base pose?",
             UserWarning,
-            stacklevel=4,
+            stacklevel=5,  # the caller of `select`
         )

@@ -74,10 +74,13 @@ def _sample(elevation_map: ElevationMap, index: NDArray[np.float64]) -> NDArray[
     at += first[1]
     low, low_next = flat.take(at), flat[1:].take(at)
     high, high_next = flat[ny:].take(at), flat[ny + 1 :].take(at)
-    heights = _blend(_blend(low, low_next, share_v), _blend(high, high_next, share_v), share_u)
+    # Differences of absurd heights leave float32; as what is unknown, they are worked out once more below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        heights = _blend(_blend(low, low_next, share_v), _blend(high, high_next, share_v), share_u)
 
-    holes = np.isnan(heights)
-    if holes.any():
+    sound = np.isfinite(heights)
+    if not sound.all():
+        holes = ~sound
         heights[holes] = _beside_unknown(flat, ny, index[:, holes], first[:, holes])
     if inside is not None:
         heights[~inside] = np.nan

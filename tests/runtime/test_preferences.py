@@ -96,7 +96,7 @@ def test_what_may_not_be_chosen_is_not_kept(selector, constant_folder):
     hole[u, v] = np.nan
     for previous, terrain in (
         ((x + 5, y), elevation_map),  # beyond the leg's map
-        ((1e300, -1e300), elevation_map),
+        ((1e8, -1e8), elevation_map),
         (infeasible, elevation_map),
         ((x, y), ElevationMap(hole, 0.02)),  # its ground became unknown
     ):
