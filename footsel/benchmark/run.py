@@ -64,25 +64,23 @@ def run_benchmark(
             baselines["torch_eager"] = time_torch(run, few)
             baselines["onnxruntime_unsimplified"] = time_unsimplified(run, model, few)
         models = time_models(model, cases[: size.calls])
-        peak = matmul_gflops()
+        speed = _speed(model, models)
         with other_core_busy() as spinning:
             busy = time_models(model, cases[: size.calls]) if spinning else {}
     with one_core() as oracle_use:
         figures.update(_oracle_figures(robot, size, seed))
     baselines["onnxruntime_default_options"] = time_default_onnxruntime(model, cases[: size.calls])
-    for variant, parts in models.items():
-        parts.update(_efficiency(model / network_file(PAIR, variant), parts["network_ms"]["p50"], peak))
-        if variant in busy:
-            parts["other_core_busy"] = busy[variant]
+    for variant, times in busy.items():
+        models[variant]["other_core_busy"] = times
     figures["maps_per_second"] = time_throughput(model, PAIR, cases)
     if size.histogram_calls:
         figures["histogram"] = latency_histogram(FootholdSelector.load(model), cases, size.histogram_calls)
     return {
         **figures,
+        **speed,
         # Below one, other programs took part of the core, and the slow percentiles are theirs.
         "cores_used": {"oracle": oracle_use.cores, "models": model_use.cores},
         "default": DEFAULT_VARIANT,
-        "matmul_gflops": peak,
         "models": models,
         "baselines": baselines,
     }
@@ -105,15 +103,18 @@ def _oracle_figures(robot: str, size: BenchmarkSize, seed: int) -> dict[str, Any
     }
 
 
-def _efficiency(network: Path, milliseconds: float, peak: float) -> dict[str, Any]:
-    """The network's multiply-adds, its operations a second, and the share that is of a matrix product's.
+def _speed(folder: Path, models: dict[str, Any]) -> dict[str, Any]:
+    """`matmul_gflops`, and into each model its multiply-adds, its own speed and the share that is of the product's.
 
     Nothing where onnx is not installed.
     """
     try:
-        count = multiply_adds(network)
+        peak = matmul_gflops()
+        for variant, parts in models.items():
+            count = multiply_adds(folder / network_file(PAIR, variant))
+            gflops = 2 * count / parts["network_ms"]["p50"] / 1e6
+            parts |= {"multiply_adds": count, "gflops": round(gflops, 1), "share_of_matmul": round(gflops / peak, 3)}
     except MissingExtraError as error:
         print(f"footsel: the share of the peak is left out: {error}", file=sys.stderr)
         return {}
-    gflops = 2 * count / milliseconds / 1e6
-    return {"multiply_adds": count, "gflops": round(gflops, 1), "share_of_matmul": round(gflops / peak, 3)}
+    return {"matmul_gflops": peak}

@@ -38,7 +38,9 @@ def as_table(figures: Mapping[str, Any]) -> str:
 
 def _speed(figures: Mapping[str, Any]) -> list[str]:
     """Operations and maps per second."""
-    lines = ["", f"{'matrix product, float32':34}{figures['matmul_gflops']:>10.1f}  GFLOP/s"]
+    lines = []
+    if "matmul_gflops" in figures:
+        lines += ["", f"{'matrix product, float32':34}{figures['matmul_gflops']:>10.1f}  GFLOP/s"]
     for variant, parts in figures["models"].items():
         if "gflops" in parts:
             count = f"{parts['multiply_adds'] / 1e6:.1f} M multiply-adds a map"
