@@ -9,24 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footsel.footholds.choice import ranked_cells
+from footsel.runtime.judgement import Judgement
 from footsel.runtime.leg_frames import LegFrames
 from footsel.runtime.sampling import OFFSETS
 from footsel.terrain import CELLS
-
-
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """What networks say of the maps of m legs.
-
-    heights: (m, 40, 40) relative to L_i, NaN = unknown, in [m].
-    infeasible: (m, 40, 40) probability of the class "infeasible". cost: (m, 40, 40) mean cost over all classes.
-    feasible_below: (m,) a cell may be chosen if `infeasible` is below this.
-    """
-
-    heights: NDArray[np.float32]
-    infeasible: NDArray[np.float32]
-    cost: NDArray[np.float32]
-    feasible_below: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
