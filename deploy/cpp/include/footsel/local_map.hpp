@@ -1,0 +1,77 @@
+/// The 40x40 map under one leg, in that leg's heading frame H.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "footsel/base_pose.hpp"
+#include "footsel/elevation_map.hpp"
+
+namespace footsel {
+
+/// Cells along one side of a local map, and all its cells.
+inline constexpr std::size_t CELLS = 40;
+inline constexpr std::size_t MAP_CELLS = CELLS * CELLS;
+
+/// A cell of a local map: i along H's x, j along H's y.
+struct Cell {
+    int i = 0, j = 0;
+
+    static Cell of(std::size_t flat) noexcept {
+        return {static_cast<int>(flat / CELLS), static_cast<int>(flat % CELLS)};
+    }
+    bool operator==(const Cell& other) const noexcept { return i == other.i && j == other.j; }
+};
+
+/// The flat index of the cell that a right leg sees where its left twin sees `flat`, and back: y turned round.
+constexpr std::size_t mirror_of(std::size_t flat) noexcept { return flat - flat % CELLS + (CELLS - 1 - flat % CELLS); }
+
+/// Where the cells of a leg's local map are: around the point M_i below its hip point L_i, turned by the base's yaw.
+struct LocalFrame {
+    Vector3 hip;        ///< L_i in the world frame, in [m]
+    Heading heading;    ///< of H in the world frame
+    double resolution;  ///< side of a cell, in [m]
+
+    /// Distance of a row or column of cells from M_i along an axis of H, in [m].
+    double offset(int index) const noexcept { return (index - (static_cast<double>(CELLS) - 1) / 2) * resolution; }
+
+    /// World xy of a cell's centre, in [m].
+    std::array<double, 2> xy(Cell cell) const noexcept {
+        const auto turned = heading.to_world(offset(cell.i), offset(cell.j));
+        return {hip[0] + turned[0], hip[1] + turned[1]};
+    }
+
+    /// Contact point of a cell in the world frame, in [m]; height is that of the terrain relative to L_i.
+    Vector3 position(Cell cell, float height) const noexcept {
+        const auto point = xy(cell);
+        return {point[0], point[1], hip[2] + static_cast<double>(height)};
+    }
+
+    /// A horizontal world point, from M_i in H, in [m].
+    std::array<double, 2> from_world(double x, double y) const noexcept {
+        return heading.from_world(x - hip[0], y - hip[1]);
+    }
+};
+
+/// Terrain heights relative to L_i at the cells of a frame, NaN = unknown, in [m].
+using LocalHeights = std::array<float, MAP_CELLS>;
+
+/// Sample the world map at the cell centres of a local map; returns how many cells are known, or an error if the map
+/// has infinite heights there.
+inline Result<std::size_t> extract_local_map(const ElevationMap& map, const LocalFrame& frame,
+                                             LocalHeights& heights) noexcept {
+    std::size_t known = 0;
+    for (std::size_t flat = 0; flat < MAP_CELLS; ++flat) {
+        const auto xy = frame.xy(Cell::of(flat));
+        const float height = static_cast<float>(static_cast<double>(map.sample(xy[0], xy[1])) - frame.hip[2]);
+        if (std::isinf(height)) {
+            return Error::format(ErrorCode::map, "elevation holds infinite heights; mark unknown cells with NaN");
+        }
+        known += !std::isnan(height);
+        heights[flat] = height;
+    }
+    return known;
+}
+
+}  // namespace footsel
