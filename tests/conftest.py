@@ -10,9 +10,10 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
+from footsel.exporting.decoding import with_decoding
 from footsel.footholds import LegLayout
 from footsel.footholds.encoding import InputEncoding
-from footsel.runtime.contract import METADATA_KEY, ModelContract
+from footsel.runtime.contract import FRAME, METADATA_KEY, ModelContract
 from footsel.runtime.model_folder import SUMS_FILE, sums_text
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -23,6 +24,8 @@ def contract(layout: LegLayout, pair: str = "front", **changes: object) -> Model
     values = {
         "robot": "anymal_b",
         "pair": pair,
+        "leg": {"front": "LF", "hind": "LH"}.get(pair, ""),
+        "frame": FRAME,
         "layout": layout,
         "encoding": InputEncoding(PLANES, quantised=False, height_range=0.85),
         "classes": 14,
@@ -31,12 +34,14 @@ def contract(layout: LegLayout, pair: str = "front", **changes: object) -> Model
         "recipe": "test",
         "dataset_sha256": "0" * 64,
         "version": "0",
+        "opset": 20,
+        "commit": "0" * 40,
     }
     return ModelContract(**{**values, **changes})
 
 
 def convolution_model(weight: np.ndarray, bias: np.ndarray, metadata: dict[str, str], cells: int = 40) -> bytes:
-    """logits = weight * maps + bias, same size."""
+    """logits = weight * maps + bias, same size, and their decoding where it can be."""
     outputs, inputs, kernel, _ = weight.shape
     node = helper.make_node("Conv", ["maps", "w", "b"], ["logits"], pads=[kernel // 2] * 4)
     graph = helper.make_graph(
@@ -50,6 +55,8 @@ def convolution_model(weight: np.ndarray, bias: np.ndarray, metadata: dict[str, 
         ],
     )
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 20)], ir_version=10)
+    if (outputs, cells) == (14, 40):
+        model = with_decoding(model)
     for key, value in metadata.items():
         model.metadata_props.add(key=key, value=value)
     onnx.checker.check_model(model)

@@ -1,4 +1,7 @@
-"""Make a model folder of a training run: ONNX files, model card, metrics, parity report and checksums."""
+"""Make a model folder of a training run: ONNX files, model card, metrics, parity report and checksums.
+
+A released model is exported again with the contract of this version; its answers stay as they are.
+"""
 
 import argparse
 from pathlib import Path
@@ -10,7 +13,7 @@ HELP = "a training run as ONNX models that run on the robot"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `footsel export`."""
-    parser.add_argument("trained", metavar="RUN", type=Path, help="folder of `footsel train`")
+    parser.add_argument("trained", metavar="RUN", type=Path, help="folder of `footsel train`, or a released model")
     parser.add_argument("out", metavar="OUT", type=output_folder, help="model folder")
     parser.add_argument("--int8", action="store_true", help="add a variant quantised to 8 bits")
 

@@ -122,7 +122,15 @@ def _validation(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _parity(parity: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    head = ("network", "variant", "maps", "largest logit difference", "cells of another class", "of them no tie")
+    head = (
+        "network",
+        "variant",
+        "maps",
+        "largest logit difference",
+        "cells of another class",
+        "of them no tie",
+        "decoding in the file: p(infeasible), cost",
+    )
     rows = [
         (
             pair,
@@ -131,6 +139,7 @@ def _parity(parity: Mapping[str, Mapping[str, Any]]) -> list[str]:
             f"{report['max_logit_difference']:.2g}",
             f"{report['class_differs']} of {report['cells']}",
             str(report["class_differs_beyond_ties"]),
+            f"{report['max_infeasible_difference']:.2g}, {report['max_cost_difference']:.2g}",
         )
         for pair, reports in parity.items()
         for variant, report in reports.items()

@@ -9,7 +9,7 @@ import onnx
 import torch
 from torch import nn
 
-from footsel.runtime.contract import METADATA_KEY, ModelContract
+from footsel.runtime.contract import INPUT, LOGITS_OUTPUT, METADATA_KEY, ModelContract
 from footsel.terrain import CELLS
 
 #: The newest operator set that every supported onnxruntime (1.18 and later) runs.
@@ -27,8 +27,8 @@ def to_onnx(network: nn.Module, in_channels: int) -> onnx.ModelProto:
             dynamo=True,
             external_data=False,
             opset_version=OPSET,
-            input_names=["maps"],
-            output_names=["logits"],
+            input_names=[INPUT],
+            output_names=[LOGITS_OUTPUT],
             dynamic_shapes=({0: torch.export.Dim("n")},),
             verbose=False,
         )

@@ -10,30 +10,46 @@ from footsel.errors import InputError, ModelError
 from footsel.footholds.cost import CLASSES
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.layout import LegLayout
-from footsel.legs import check_pair
+from footsel.legs import TRAINED_LEG, check_pair
 
 #: Raised when the meaning of a field changes; a runtime refuses every other number.
-SCHEMA = 1
+SCHEMA = 2
 METADATA_KEY = "footsel"
+
+#: Names in the graph: one input of encoded maps (n, planes, 40, 40), all float32.
+INPUT = "maps"
+#: (n, 14, 40, 40) scores before the softmax.
+LOGITS_OUTPUT = "logits"
+#: (n, 40, 40) probability of the class "infeasible".
+INFEASIBLE_OUTPUT = "infeasible"
+#: (n, 40, 40) mean cost over all classes, in [0, 255] (footholds.cost.expected_cost).
+COST_OUTPUT = "cost"
+
+#: The only frame there is so far.
+FRAME = "heights relative to the hip point L_i of the leg; gravity-aligned, i along the base's heading, j to its left"
 
 
 @dataclass(frozen=True, eq=False)
 class ModelContract:
     """What one ONNX file promises.
 
-    robot: name of the robot description. pair: "front" or "hind".
+    robot: name of the robot description. pair: "front" or "hind". leg: the one of the pair that was trained.
+    frame: in words, that of the local maps; FRAME.
     layout: hip points, nominal feet, cell size, height range, foot radius.
     encoding: the input planes.
     classes: channels of the output, the last is "infeasible".
     feasible_below: a cell is feasible if its probability of the class "infeasible" is below this.
     distance_weight: k of the final cost, in [cost / m].
     recipe, dataset_sha256, version: where the weights come from.
+    opset: of the graph. commit: of the footsel that exported it, its version where that was not known.
 
     Raises InputError for a value out of its range.
     """
 
     robot: str
     pair: str
+    leg: str
+    frame: str
     layout: LegLayout
     encoding: InputEncoding
     classes: int
@@ -42,9 +58,15 @@ class ModelContract:
     recipe: str
     dataset_sha256: str
     version: str
+    opset: int
+    commit: str
 
     def __post_init__(self) -> None:
-        check_pair(self.pair)
+        trained = TRAINED_LEG[check_pair(self.pair)]
+        if self.leg != trained:
+            raise InputError(f"the trained leg is {self.leg!r}", f"expected {trained} of the {self.pair} legs")
+        if self.frame != FRAME:
+            raise InputError(f"the frame is {self.frame!r}", f"expected {FRAME!r}")
         if self.classes != CLASSES:
             raise InputError(f"the contract has {self.classes} classes", f"expected {CLASSES}")
         if not 0 < self.feasible_below <= 1:
@@ -58,6 +80,8 @@ class ModelContract:
             "schema": SCHEMA,
             "robot": self.robot,
             "pair": self.pair,
+            "leg": self.leg,
+            "frame": self.frame,
             "layout": self.layout.to_dict(),
             "encoding": self.encoding.to_dict(),
             "classes": self.classes,
@@ -66,6 +90,8 @@ class ModelContract:
             "recipe": self.recipe,
             "dataset_sha256": self.dataset_sha256,
             "version": self.version,
+            "opset": self.opset,
+            "commit": self.commit,
         }
         return json.dumps(values, sort_keys=True)
 
@@ -88,6 +114,8 @@ class ModelContract:
             return cls(
                 robot=str(values["robot"]),
                 pair=str(values["pair"]),
+                leg=str(values["leg"]),
+                frame=str(values["frame"]),
                 layout=LegLayout.from_dict(values["layout"]),
                 encoding=InputEncoding.from_dict(values["encoding"]),
                 classes=int(values["classes"]),
@@ -96,6 +124,8 @@ class ModelContract:
                 recipe=str(values["recipe"]),
                 dataset_sha256=str(values["dataset_sha256"]),
                 version=str(values["version"]),
+                opset=int(values["opset"]),
+                commit=str(values["commit"]),
             )
         except (KeyError, TypeError, ValueError, InputError) as error:
             raise _damaged(source, error) from None

@@ -10,6 +10,7 @@ from footsel.runtime.contract import ModelContract
 from footsel.runtime.network import Network
 
 SUMS_FILE = "SHA256SUMS"
+PARITY_FILE = "parity.json"
 #: Variant -> end of its file name. "float32" is what was trained; "int8" is quantised.
 VARIANTS = {"float32": ".onnx", "int8": ".int8.onnx"}
 DEFAULT_VARIANT = "float32"
@@ -57,7 +58,7 @@ def load_networks(folder: Path, variant: str = DEFAULT_VARIANT) -> dict[str, Net
     Raises ModelError for a missing or changed file, for front and hind swapped, and for two robots in one folder.
     """
     names = {pair: network_file(pair, variant) for pair in PAIRS}
-    contents = _read_checked(folder, keep=tuple(names.values()))
+    contents = read_checked(folder, keep=tuple(names.values()))
     networks = {pair: Network.from_bytes(contents[name], str(folder / name)) for pair, name in names.items()}
     _check_pairing(folder, {pair: network.contract for pair, network in networks.items()})
     return networks
@@ -92,7 +93,7 @@ def _read_sums(folder: Path) -> dict[str, str]:
     return sums
 
 
-def _read_checked(folder: Path, keep: tuple[str, ...]) -> dict[str, bytes]:
+def read_checked(folder: Path, keep: tuple[str, ...]) -> dict[str, bytes]:
     """Contents of the files `keep`, read once, after every file of the folder matched its checksum."""
     sums = _read_sums(folder)
     for name in keep:

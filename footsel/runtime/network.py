@@ -1,4 +1,4 @@
-"""One ONNX network and its contract: heights in, probabilities of the fourteen classes out."""
+"""One ONNX network and its contract: encoded local maps in, and for every cell what is asked for: scores, or cost."""
 
 from pathlib import Path
 
@@ -8,8 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from footsel.errors import ModelError
 from footsel.footholds.cost import softmax
-from footsel.runtime.contract import ModelContract
+from footsel.runtime.contract import COST_OUTPUT, INFEASIBLE_OUTPUT, INPUT, LOGITS_OUTPUT, ModelContract
 from footsel.terrain import CELLS
+
+#: The outputs that a choice needs.
+COSTS = (INFEASIBLE_OUTPUT, COST_OUTPUT)
 
 
 class Network:
@@ -18,8 +21,6 @@ class Network:
     def __init__(self, session: onnxruntime.InferenceSession, contract: ModelContract) -> None:
         self.contract = contract
         self._session = session
-        self._input = session.get_inputs()[0].name
-        self._outputs = [session.get_outputs()[0].name]
 
     @classmethod
     def load(cls, path: str | Path) -> "Network":
@@ -50,8 +51,7 @@ class Network:
 
     def logits(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
         """(n, 14, 40, 40) scores before the softmax; arguments as in `probabilities`."""
-        planes = self.contract.encoding.encode(heights, roll, pitch)
-        return np.asarray(self._session.run(self._outputs, {self._input: planes})[0])
+        return self.run(self.contract.encoding.encode(heights, roll, pitch), LOGITS_OUTPUT)[0]
 
     def probabilities(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
         """(n, 14, 40, 40) probability of each class, the last is "infeasible".
@@ -60,6 +60,18 @@ class Network:
         roll, pitch: (n,) or scalar tilt of the base, in [rad].
         """
         return softmax(self.logits(heights, roll, pitch), axis=1)
+
+    def costs(
+        self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """(n, 40, 40) probability of "infeasible", and mean cost over all classes; arguments as in `probabilities`."""
+        infeasible, cost = self.run(self.contract.encoding.encode(heights, roll, pitch), *COSTS)
+        return infeasible, cost
+
+    def run(self, planes: NDArray[np.float32], *outputs: str) -> list[NDArray[np.float32]]:
+        """The named outputs of the graph for encoded maps (n, planes, 40, 40)."""
+        results: list[NDArray[np.float32]] = self._session.run(outputs, {INPUT: planes})
+        return results
 
 
 def session_options() -> onnxruntime.SessionOptions:
@@ -76,17 +88,20 @@ def session_options() -> onnxruntime.SessionOptions:
 
 
 def _check_shapes(session: onnxruntime.InferenceSession, contract: ModelContract, source: str) -> None:
-    """Refuse a graph whose one input and one output are not what the contract says, with a free batch axis."""
-    expected = {
-        "input": [len(contract.encoding.planes), CELLS, CELLS],
-        "output": [contract.classes, CELLS, CELLS],
+    """Refuse a graph whose inputs and outputs are not what the contract says, with a free batch axis."""
+    cells = [CELLS, CELLS]
+    promised = {
+        "inputs": {INPUT: [len(contract.encoding.planes), *cells]},
+        "outputs": {LOGITS_OUTPUT: [contract.classes, *cells], INFEASIBLE_OUTPUT: cells, COST_OUTPUT: cells},
     }
-    for role, ports in (("input", session.get_inputs()), ("output", session.get_outputs())):
-        found = [list(port.shape) for port in ports]
-        free_batch = len(found) == 1 and bool(found[0]) and not isinstance(found[0][0], int)
-        if not free_batch or found[0][1:] != expected[role] or ports[0].type != "tensor(float)":
+    for role, ports in (("inputs", session.get_inputs()), ("outputs", session.get_outputs())):
+        found = {port.name: list(port.shape) for port in ports}
+        free = all(shape and not isinstance(shape[0], int) for shape in found.values())
+        floats = all(port.type == "tensor(float)" for port in ports)
+        if not (free and floats and {name: shape[1:] for name, shape in found.items()} == promised[role]):
+            words = ", ".join(f"{name} [n, {', '.join(map(str, shape))}]" for name, shape in promised[role].items())
             raise ModelError(
-                f"{source} has {role} {found} of {[port.type for port in ports]}, "
-                f"its contract says one float tensor of [n, {', '.join(map(str, expected[role]))}]",
+                f"{source} has {role} {found} of {sorted({port.type for port in ports})}, "
+                f"its contract says float tensors {words}",
                 "export the model again",
             )

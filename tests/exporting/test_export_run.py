@@ -15,12 +15,15 @@ import torch
 from footsel import ElevationMap
 from footsel.errors import InputError, ModelError
 from footsel.exporting import export_run as module
+from footsel.exporting import sources
+from footsel.exporting.decoding import without_decoding
 from footsel.exporting.export_run import export_run
 from footsel.exporting.model_card import model_card
-from footsel.exporting.parity import TIE
+from footsel.exporting.parity import TIE, graph_logits
+from footsel.exporting.provenance import source_commit
 from footsel.exporting.trial_maps import trial_maps
 from footsel.footholds import DISTANCE_WEIGHT
-from footsel.learning.checkpoint import load_network, read_model
+from footsel.learning.checkpoint import read_model
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
 from footsel.learning.warm_start import start_from
@@ -74,13 +77,16 @@ def test_a_training_can_go_on_from_the_folder(released, anymal_layout):
 
 
 def test_the_parity_report(released):
-    report = json.loads((released.out / "parity.json").read_text())
+    reports = json.loads((released.out / "parity.json").read_text())
     for pair in PAIRS:
-        float32, int8 = report[pair]["float32"], report[pair]["int8"]
+        float32, int8 = reports[pair]["float32"], reports[pair]["int8"]
         assert float32["maps"] == int8["maps"] == 60
         assert float32["cells"] == 60 * 1600
         assert float32["class_differs_beyond_ties"] == 0
         assert float32["max_logit_difference"] < 1e-3
+        for report in (float32, int8):
+            assert report["max_infeasible_difference"] < 1e-6
+            assert report["max_cost_difference"] < 2e-4
         # Eight bits change something, but are the same network.
         assert 0 < int8["class_differs"] < 0.5 * int8["cells"]
         assert int8["max_logit_difference"] > float32["max_logit_difference"]
@@ -88,13 +94,13 @@ def test_the_parity_report(released):
 
 def test_an_export_that_differs_is_refused_and_leaves_nothing(released, monkeypatch, tmp_path):
     def spoiled(*_):
-        model = onnx.load(released.out / "front.onnx")
+        model = without_decoding(onnx.load(released.out / "front.onnx"))
         bias = next(tensor for tensor in model.graph.initializer if tensor.name == "head.bias")
         wrong = onnx.numpy_helper.to_array(bias) + 0.1 * np.eye(14, dtype=np.float32)[0]
         bias.CopyFrom(onnx.numpy_helper.from_array(wrong, bias.name))
         return model
 
-    monkeypatch.setattr(module, "to_onnx", spoiled)
+    monkeypatch.setattr(sources, "to_onnx", spoiled)
     with pytest.raises(ModelError, match=r"front.onnx says another class .* in \d+ of 16000 cells"):
         export_run(released.run, tmp_path / "out", parity_maps=10)
     assert list(tmp_path.iterdir()) == []
@@ -128,6 +134,8 @@ def test_the_contract_is_that_of_the_run(released, anymal_layout):
         assert (contract.robot, contract.pair) == ("anymal_b", name.split(".")[0])
         assert (contract.feasible_below, contract.distance_weight) == (0.1, DISTANCE_WEIGHT)
         assert (contract.recipe, contract.dataset_sha256) == ("footsel", "ab" * 32)
+        assert (contract.leg, contract.opset) == (TRAINED_LEG[contract.pair], 20)
+        assert contract.commit == source_commit()
 
 
 def test_the_files_carry_nothing_of_the_machine(released):
@@ -170,12 +178,12 @@ def test_the_card_says_what_was_run(released):
 
 def test_the_paper_recipe_is_exported(makers, anymal_layout, tmp_path):
     makers.write_run(tmp_path, anymal_layout, recipe="paper")
-    trained, info = load_network(tmp_path / "front")
-    exported = module.export_network(trained, info, int8=False, parity_maps=20)
+    source = sources.open_source(tmp_path, "front")
+    exported = module.export_network(source, int8=False, parity_maps=20)
     assert set(exported.files) == {"front.onnx"}
     contract = Network.from_bytes(exported.files["front.onnx"], "front.onnx").contract
     assert (contract.recipe, contract.encoding.planes, contract.encoding.quantised) == ("paper", ("height",), True)
-    card = model_card({"front": info, "hind": info}, {}, {})
+    card = model_card({"front": source.info, "hind": source.info}, {}, {})
     assert "does not see the base's tilt" in card and "The architecture is ERFNet" in card
 
 
@@ -184,14 +192,56 @@ def test_a_new_export_replaces_the_old_one_whole(released, tmp_path, monkeypatch
     out = shutil.copytree(released.out, tmp_path / "out")
     (out / "notes.txt").write_text("mine")
 
-    def without_int8(_, info, *__):
-        name = f"{info['pair']}.onnx"
+    def without_int8(source, *_):
+        name = f"{source.info['pair']}.onnx"
         return module.ExportedPair({name: (released.out / name).read_bytes()}, {})
 
     monkeypatch.setattr(module, "export_network", without_int8)
     export_run(released.run, out)
     assert {path.name for path in out.iterdir()} == {"front.onnx", "hind.onnx", "SHA256SUMS", "notes.txt"} | PAPERS
     assert FootholdSelector.load(out).robot == "anymal_b"
+
+
+def test_a_release_is_exported_again_with_the_same_answers(released, anymal_layout, tmp_path):
+    """From its own graphs, for the weights to train on from have fewer bits; what was measured of them stays."""
+    out = export_run(released.out, tmp_path / "again", parity_maps=60)
+    for pair in PAIRS:
+        one, other = (Network.load(folder / f"{pair}.onnx") for folder in (released.out, out))
+        maps = trial_maps(anymal_layout, TRAINED_LEG[pair], 20, seed=3)
+        for before, after in zip(one.costs(maps.heights), other.costs(maps.heights), strict=True):
+            np.testing.assert_array_equal(before, after)
+        np.testing.assert_array_equal(one.logits(maps.heights), other.logits(maps.heights))
+        assert one.contract.to_json() == other.contract.to_json()
+    for name in ("metrics.json", *WEIGHTS):
+        assert (out / name).read_bytes() == (released.out / name).read_bytes()
+    before, after = (json.loads((folder / "parity.json").read_text()) for folder in (released.out, out))
+    assert {pair: {"float32": before[pair]["float32"]} for pair in PAIRS} == after
+    assert not (out / "front.int8.onnx").exists()
+
+
+def test_a_changed_release_is_not_exported(released, tmp_path):
+    changed = shutil.copytree(released.out, tmp_path / "changed")
+    (changed / "metrics.json").write_text("{}")
+    with pytest.raises(ModelError, match=r"metrics.json is not the file that was released"):
+        export_run(changed, tmp_path / "out", parity_maps=1)
+
+
+def test_an_8_bit_variant_of_a_release(released, monkeypatch):
+    monkeypatch.setattr(module, "CALIBRATION_MAPS", 20)
+    source = sources.open_source(released.out, "hind")
+    exported = module.export_network(source, int8=True, parity_maps=10)
+    assert set(exported.files) == {"hind.onnx", "hind.int8.onnx"}
+    assert 0 < exported.parity["int8"]["class_differs"] < 0.5 * 16000
+
+
+def test_the_graph_that_is_taken_over_ends_with_its_logits(released, anymal_layout):
+    source = sources.open_source(released.out, "front")
+    assert [output.name for output in source.model.graph.output] == ["logits"]
+    assert source.model.graph.node[-1].output == ["logits"]
+    maps = trial_maps(anymal_layout, "LF", 10, seed=4)
+    exported = Network.load(released.out / "front.onnx")
+    found = graph_logits(source.model, exported.contract.encoding, maps)
+    np.testing.assert_array_equal(found, exported.logits(maps.heights, maps.roll, maps.pitch))
 
 
 def test_a_run_without_one_pair_is_refused(released, tmp_path):

@@ -1,0 +1,73 @@
+"""The decoding inside a graph against footholds.cost, for any logits."""
+
+import numpy as np
+import onnx
+import onnxruntime
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from onnx import TensorProto, helper
+
+from footsel.exporting.decoding import with_decoding, without_decoding
+from footsel.footholds.cost import INFEASIBLE_CLASS, expected_cost, softmax
+
+
+def identity() -> onnx.ModelProto:
+    """logits = maps."""
+    ports = [helper.make_tensor_value_info(name, TensorProto.FLOAT, ["n", 14, 40, 40]) for name in ("maps", "logits")]
+    graph = helper.make_graph([helper.make_node("Identity", ["maps"], ["logits"])], "test", ports[:1], ports[1:])
+    return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 20)], ir_version=10)
+
+
+@pytest.fixture(scope="module")
+def decode():
+    session = onnxruntime.InferenceSession(with_decoding(identity()).SerializeToString())
+    assert [output.name for output in session.get_outputs()] == ["logits", "infeasible", "cost"]
+    return lambda logits: session.run(["infeasible", "cost"], {"maps": logits})
+
+
+def check(decode, logits):
+    infeasible, cost = decode(logits)
+    probabilities = softmax(logits, axis=1)
+    np.testing.assert_allclose(infeasible, probabilities[:, INFEASIBLE_CLASS], atol=1e-6)
+    np.testing.assert_allclose(cost, expected_cost(probabilities), atol=2e-4)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    maps=st.integers(1, 3),
+    spread=st.sampled_from([0.0, 1e-3, 1.0, 10.0, 100.0, 1e4, 1e30]),
+    offset=st.sampled_from([0.0, -1e3, 1e3, 1e6]),
+    lift=st.sampled_from([0.0, 200.0, -200.0]),
+)
+def test_any_logits_are_decoded_as_in_numpy(decode, seed, maps, spread, offset, lift):
+    logits = np.random.default_rng(seed).normal(0, 1, (maps, 14, 40, 40)) * spread + offset
+    logits[:, INFEASIBLE_CLASS] += lift
+    check(decode, logits.astype(np.float32))
+
+
+def test_a_cell_that_is_surely_infeasible_costs_255_and_not_nan(decode):
+    logits = np.full((1, 14, 40, 40), -3e38, dtype=np.float32)
+    logits[:, INFEASIBLE_CLASS] = 3e38
+    infeasible, cost = decode(logits)
+    assert (infeasible == 1).all() and (cost == 255).all()
+
+
+def test_doubt_spreads_to_the_neighbours_and_stops_at_the_border(decode):
+    """One infeasible cell in the corner: the cell itself stands in for those beyond it, four times in nine."""
+    logits = np.zeros((1, 14, 40, 40), dtype=np.float32)
+    logits[:, 1:] = -200
+    logits[:, :, 0, 0] = np.where(np.arange(14) == INFEASIBLE_CLASS, 0, -200)
+    cost = decode(logits)[1][0]
+    cheapest = 255 / 26
+    assert cost[0, 0] == 255
+    assert cost[0, 1] == cost[1, 0] == pytest.approx(cheapest + 2 / 9 * (255 - cheapest), abs=1e-3)
+    assert cost[1, 1] == pytest.approx(cheapest + 1 / 9 * (255 - cheapest), abs=1e-3)
+    np.testing.assert_allclose(cost[2:], cheapest, atol=1e-3)
+
+
+def test_decoding_can_be_taken_off_again():
+    network = identity()
+    assert without_decoding(with_decoding(network)) == network
+    assert without_decoding(network) == network
