@@ -82,7 +82,9 @@ def fetch_headers(include: Path) -> None:
     if npm is None:
         raise FetchError("npm is not installed; use a release tarball of onnxruntime")
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([npm, "pack", "--silent", PACKAGE], cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [npm, "pack", "--silent", PACKAGE], cwd=folder, capture_output=True, text=True, check=False
+        )
         tarballs = list(Path(folder).glob("*.tgz"))
         if done.returncode or len(tarballs) != 1:
             reason = (done.stderr.strip().splitlines() or ["no tarball"])[-1]

@@ -32,10 +32,20 @@ public:
         std::isfinite(value) ? std::fprintf(file_, "%.17g", value) : std::fputs("null", file_);
         return *this;
     }
-    /// `text` is our own or without quotes and control characters; null for none.
+    /// UTF-8; null for none.
     JsonWriter& text(const char* text, const char* key = nullptr) {
         begin(key);
-        text == nullptr ? std::fputs("null", file_) : std::fprintf(file_, "\"%s\"", text);
+        if (text == nullptr) return std::fputs("null", file_), *this;
+        std::fputc('"', file_);
+        for (const char* c = text; *c != '\0'; ++c) {
+            if (static_cast<unsigned char>(*c) < 0x20) {
+                std::fprintf(file_, "\\u%04x", static_cast<unsigned>(*c));
+            } else {
+                if (*c == '"' || *c == '\\') std::fputc('\\', file_);
+                std::fputc(*c, file_);
+            }
+        }
+        std::fputc('"', file_);
         return *this;
     }
     template <class Numbers>

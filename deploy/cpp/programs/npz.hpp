@@ -9,8 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +16,7 @@
 #include <vector>
 
 #include "footsel/elevation_map.hpp"
+#include "footsel/model_folder.hpp"
 #include "footsel/result.hpp"
 
 namespace footsel {
@@ -175,10 +174,9 @@ inline Result<LoadedMap> parse_map(std::string_view zip) {
 }
 
 inline Result<LoadedMap> load_map(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (bytes.empty()) return Error::format(ErrorCode::map, "cannot read %s; give an elevation map .npz", path.c_str());
-    return parse_map(bytes);
+    const auto bytes = read_file(path);
+    if (!bytes) return Error::format(ErrorCode::map, "cannot read %s; give an elevation map .npz", path.c_str());
+    return parse_map(*bytes);
 }
 
 }  // namespace footsel

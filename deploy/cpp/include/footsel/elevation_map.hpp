@@ -37,10 +37,10 @@ struct ElevationMap {
 
     /// Whether the map makes sense. Its heights are looked at only where they are sampled: a call need not read it all.
     Result<void> check() const noexcept {
-        if (elevation == nullptr) return Error::format(ErrorCode::map, "the elevation map is null; give its heights");
         if (nx < 2 || ny < 2) {
             return Error::format(ErrorCode::map, "elevation has shape (%zu, %zu); expected at least 2x2 cells", nx, ny);
         }
+        if (elevation == nullptr) return Error::format(ErrorCode::map, "the elevation map is null; give its heights");
         if (stride_x == 0 || stride_y == 0) {
             return Error::format(ErrorCode::map, "strides are %td and %td; expected steps other than 0", stride_x, stride_y);
         }

@@ -81,7 +81,7 @@ public:
         return detail::guarded(ErrorCode::model, front.c_str(), [&] {
             return from_files(options, [&](Pair pair) {
                 const std::string& file = pair == Pair::front ? front : hind;
-                return std::pair(file, read_file(file));
+                return std::pair(file, read_unchecked(file));
             });
         });
     }
