@@ -26,7 +26,7 @@ SOURCES = ROOT / "deploy" / "cpp"
 BUILD = ROOT / "build"
 NEEDED = ("cmake", "make", "g++", "npm")
 
-ORDERS = ("row_major", "column_major", "flipped")
+ORDERS = ("row_major", "column_major", "grid_map")
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Case:
             ORDERS.index(self.order),
             self.null,
         )
-        lying = {"row_major": elevation, "column_major": elevation.T, "flipped": elevation[::-1, ::-1]}[self.order]
+        lying = {"row_major": elevation, "column_major": elevation.T, "grid_map": elevation[::-1, ::-1].T}[self.order]
         return struct.pack("<36d", *map(float, numbers)) + np.ascontiguousarray(lying, dtype="<f4").tobytes()
 
 

@@ -57,7 +57,7 @@ def draw_case(case, course, layout, rng):
         nominal,
         top_k=int(rng.choice([1, 1, 3, 16])),
         verify=int(rng.choice(list(VERIFY), p=[0.8, 0.05, 0.15])),
-        order=str(rng.choice(["row_major", "column_major", "flipped"])),
+        order=str(rng.choice(["row_major", "column_major", "grid_map"])),
     )
 
 
@@ -136,3 +136,24 @@ def test_a_difference_would_be_seen(cpp, released, cases):
             except AssertionError:
                 different += 1
     assert different > 10
+
+
+@pytest.mark.parametrize("leg", LEGS)
+@pytest.mark.parametrize("maps", [1, 8, 23])
+def test_the_same_cells(cpp, released, leg, maps):
+    """evaluate, on maps of one's own: batches of every size, a tilt for each map."""
+    rng = np.random.default_rng(maps)
+    heights = rng.normal(-0.5, 0.05, (maps, 40, 40)).astype(np.float32)
+    heights += np.linspace(-0.3, 0.3, 40, dtype=np.float32)
+    heights[rng.random(heights.shape) < 0.1] = np.nan
+    tilts = rng.uniform(-0.2, 0.2, (maps, 2))
+    expected = FootholdSelector.load(released).evaluate(heights, leg, *tilts.T)
+    done = cpp.run("evaluate_maps", released, leg, maps, data=tilts.tobytes() + heights.tobytes())
+    assert done.returncode == 0, done.stdout
+    cells = heights.size
+    cost, confidence = np.frombuffer(done.stdout, np.float32, 2 * cells).reshape(2, *heights.shape)
+    feasible = np.frombuffer(done.stdout, np.bool_, cells, 8 * cells).reshape(heights.shape)
+    np.testing.assert_array_equal(feasible, expected.feasible)
+    np.testing.assert_allclose(cost, expected.cost, atol=1e-3)
+    np.testing.assert_allclose(confidence, expected.confidence, atol=1e-5)
+    assert 0.01 < feasible.mean() < 0.9

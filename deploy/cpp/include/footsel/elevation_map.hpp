@@ -35,6 +35,14 @@ struct ElevationMap {
         return {elevation, nx, ny, 1, static_cast<std::ptrdiff_t>(nx), resolution, position};
     }
 
+    /// As grid_map and Eigen keep it: i runs fastest, and both indices grow against the axes of the world. `layer` is the
+    /// data of a layer whose start index is (0, 0), `rows` and `columns` are its size.
+    static ElevationMap grid_map(const float* layer, std::size_t rows, std::size_t columns, double resolution,
+                                 std::array<double, 2> position) noexcept {
+        const float* last = layer == nullptr ? nullptr : layer + (rows * columns > 0 ? rows * columns - 1 : 0);
+        return {last, rows, columns, -1, -static_cast<std::ptrdiff_t>(rows), resolution, position};
+    }
+
     /// Whether the map makes sense. Its heights are looked at only where they are sampled: a call need not read it all.
     Result<void> check() const noexcept {
         if (nx < 2 || ny < 2) {

@@ -55,14 +55,14 @@ struct CellEvaluation {
     float* confidence = nullptr;  ///< 1 - p(infeasible); 0 where the height is unknown
 };
 
-/// The most maps that `evaluate` takes at once.
-inline constexpr std::size_t MOST_MAPS = 4096;
+/// Sizes of batches that memory is laid out for: any number of maps is a sum of them. Larger ones gain nothing, as what
+/// the network has in work then leaves the processor's caches.
+inline constexpr std::array<std::size_t, 4> BATCH_SIZES{1, 2, 4, 8};
 
 /// Footholds by the network. A selector owns the memory it works in, so each thread needs one of its own: `sibling`
 /// makes another one over the same networks.
 ///
-/// No function throws. After the first call none allocates, but for onnxruntime's own scratch memory, and `evaluate`
-/// when the number of maps changes.
+/// No function throws. Once loaded, none allocates, but for onnxruntime's own scratch memory.
 class FootholdSelector {
 public:
     /// A released model folder, both networks checked against SHA256SUMS.
@@ -131,19 +131,20 @@ public:
     /// its left, cells of `layout().resolution`, NaN = unknown, in [m]. tilts: one for each map.
     Result<void> evaluate(const float* heights, std::size_t maps, Leg leg, const Tilt* tilts,
                           const CellEvaluation& result) noexcept {
-        return detail::guarded(ErrorCode::engine, "evaluating local maps", [&]() -> Result<void> {
-            if (auto checked = check_local_maps(heights, maps, leg, tilts); !checked) return checked.error();
-            const Network& network = networks_[index(pair_of(leg))];
-            Batch& batch = memory_->own_maps[index(pair_of(leg))];
-            if (batch.maps() != maps) batch = Batch(maps, network.contract().encoding.planes.size());
-            for (std::size_t map = 0; map < maps; ++map) {
-                network.contract().encoding.encode(heights + map * MAP_CELLS, tilts[map].roll, tilts[map].pitch,
-                                                   is_right(leg), batch.input(map));
+        if (auto checked = check_local_maps(heights, maps, leg, tilts); !checked) return checked;
+        const Network& network = networks_[index(pair_of(leg))];
+        for (std::size_t begin = 0; begin < maps;) {
+            Batch& batch = largest_batch(pair_of(leg), maps - begin);
+            for (std::size_t i = 0; i < batch.maps(); ++i) {
+                const Tilt& tilt = tilts[begin + i];
+                network.contract().encoding.encode(heights + (begin + i) * MAP_CELLS, tilt.roll, tilt.pitch, is_right(leg),
+                                                   batch.input(i));
             }
-            if (auto done = network.run(batch); !done) return done.error();
-            for (std::size_t map = 0; map < maps; ++map) decode(batch, map, heights, leg, result);
-            return {};
-        });
+            if (auto done = network.run(batch); !done) return done;
+            for (std::size_t i = 0; i < batch.maps(); ++i) decode(batch, i, begin + i, heights, leg, result);
+            begin += batch.maps();
+        }
+        return {};
     }
 
 private:
@@ -153,8 +154,7 @@ private:
     struct Memory {
         PerLeg<LocalHeights> heights;
         PerLeg<std::size_t> known;
-        std::array<std::array<Batch, 2>, 2> batches;  ///< by pair, for one leg of it and for both
-        std::array<Batch, 2> own_maps;                ///< by pair, for `evaluate`
+        std::array<std::array<Batch, BATCH_SIZES.size()>, 2> batches;  ///< by pair and size
         Ranking ranking;
     };
 
@@ -162,8 +162,17 @@ private:
         : networks_(std::move(networks)), memory_(std::make_unique<Memory>()) {
         for (Pair pair : PAIRS) {
             const std::size_t planes = contract(pair).encoding.planes.size();
-            memory_->batches[index(pair)] = {Batch(1, planes), Batch(2, planes)};
+            for (std::size_t i = 0; i < BATCH_SIZES.size(); ++i) {
+                memory_->batches[index(pair)][i] = Batch(BATCH_SIZES[i], planes);
+            }
         }
+    }
+
+    /// The largest batch that `maps` fill, one or more.
+    Batch& largest_batch(Pair pair, std::size_t maps) noexcept {
+        std::size_t i = BATCH_SIZES.size() - 1;
+        while (BATCH_SIZES[i] > maps) --i;
+        return memory_->batches[index(pair)][i];
     }
 
     /// read(pair) -> what messages call the file, and its content or an error.
@@ -240,9 +249,7 @@ private:
         if (heights == nullptr || tilts == nullptr) {
             return Error::format(ErrorCode::input, "local heights or tilts are null; give both");
         }
-        if (maps < 1 || maps > MOST_MAPS) {
-            return Error::format(ErrorCode::input, "%zu local maps; give 1 to %zu at once", maps, MOST_MAPS);
-        }
+        if (maps < 1) return Error::format(ErrorCode::input, "no local maps; give one or more");
         for (std::size_t map = 0; map < maps; ++map) {
             if (!std::isfinite(tilts[map].roll) || !std::isfinite(tilts[map].pitch)) {
                 return Error::format(ErrorCode::input, "the tilt of map %zu is not finite; give angles in rad", map);
@@ -273,7 +280,7 @@ private:
         }
         if (count == 0) return {};
         const Network& network = networks_[index(pair)];
-        Batch& batch = memory_->batches[index(pair)][count - 1];
+        Batch& batch = largest_batch(pair, count);
         for (std::size_t i = 0; i < count; ++i) {
             network.contract().encoding.encode(memory_->heights[legs[i]].data(), pose.roll, pose.pitch, is_right(legs[i]),
                                                batch.input(i));
@@ -296,13 +303,15 @@ private:
         return {};
     }
 
-    void decode(const Batch& batch, std::size_t map, const float* heights, Leg leg, const CellEvaluation& result) const noexcept {
+    /// Write what the network said of map `i` of a batch to the results of map `map`.
+    void decode(const Batch& batch, std::size_t i, std::size_t map, const float* heights, Leg leg,
+                const CellEvaluation& result) const noexcept {
         const float feasible_below = static_cast<float>(contract(pair_of(leg)).feasible_below);
         for (std::size_t flat = 0; flat < MAP_CELLS; ++flat) {
             const std::size_t seen = is_right(leg) ? mirror_of(flat) : flat, at = map * MAP_CELLS + flat;
-            const float infeasible = batch.infeasible(map)[seen];
+            const float infeasible = batch.infeasible(i)[seen];
             const bool known = !std::isnan(heights[at]), feasible = known && infeasible < feasible_below;
-            if (result.cost) result.cost[at] = feasible ? batch.cost(map)[seen] : static_cast<float>(INFEASIBLE_COST);
+            if (result.cost) result.cost[at] = feasible ? batch.cost(i)[seen] : static_cast<float>(INFEASIBLE_COST);
             if (result.feasible) result.feasible[at] = feasible;
             if (result.confidence) result.confidence[at] = known ? 1.0F - infeasible : 0.0F;
         }

@@ -8,7 +8,7 @@
 #include "footsel/footsel.hpp"
 
 /// How `elevation` lies in memory.
-enum class Order { row_major, column_major, flipped };
+enum class Order { row_major, column_major, grid_map };
 
 struct Case {
     std::vector<float> elevation;
@@ -59,15 +59,9 @@ inline bool read_case(std::FILE* file, Case& result) {
     result.elevation.resize(nx * ny);
     if (std::fread(result.elevation.data(), sizeof(float), nx * ny, file) != nx * ny) return false;
     const float* heights = null ? nullptr : result.elevation.data();
-    if (order == Order::column_major) {
-        result.map = footsel::ElevationMap::column_major(heights, nx, ny, resolution, position);
-    } else {
-        result.map = footsel::ElevationMap::row_major(heights, nx, ny, resolution, position);
-    }
-    if (order == Order::flipped && nx > 0 && ny > 0) {
-        result.map.elevation += nx * ny - 1;
-        result.map.stride_x = -static_cast<std::ptrdiff_t>(ny);
-        result.map.stride_y = -1;
-    }
+    const auto view = order == Order::row_major      ? footsel::ElevationMap::row_major
+                      : order == Order::column_major ? footsel::ElevationMap::column_major
+                                                     : footsel::ElevationMap::grid_map;
+    result.map = view(heights, nx, ny, resolution, position);
     return true;
 }
