@@ -24,17 +24,26 @@ class CellEvaluation:
     confidence: NDArray[np.float32]
 
 
-def decode_costs(
-    probabilities: NDArray[np.float32], known: NDArray[np.bool_], feasible_below: float
-) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32]]:
-    """Cost, feasibility and confidence (n, 40, 40), all that a choice needs, as in CellEvaluation.
+def assemble(
+    likeliest: NDArray[np.integer],
+    infeasible: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    known: NDArray[np.bool_],
+    feasible_below: float,
+) -> CellEvaluation:
+    """A judgement of what a network answers; all arrays (n, 40, 40).
 
-    probabilities: (n, 14, 40, 40). known: (n, 40, 40) which cells have a height; no other cell is ever feasible.
+    likeliest: the most probable of the thirteen feasible classes. infeasible: p(infeasible).
+    cost: mean cost over all classes.
+    known: which cells have a height; no other cell is ever feasible.
     """
-    infeasible = probabilities[:, INFEASIBLE_CLASS]
     feasible = known & (infeasible < feasible_below)
-    cost = np.where(feasible, expected_cost(probabilities), np.float32(INFEASIBLE_COST))
-    return cost, feasible, confidence(infeasible, known)
+    return CellEvaluation(
+        np.where(feasible, likeliest, INFEASIBLE_CLASS).astype(np.uint8),
+        np.where(feasible, cost, np.float32(INFEASIBLE_COST)),
+        feasible,
+        confidence(infeasible, known),
+    )
 
 
 def confidence(infeasible: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32]:
@@ -43,7 +52,7 @@ def confidence(infeasible: NDArray[np.float32], known: NDArray[np.bool_]) -> NDA
 
 
 def decode(probabilities: NDArray[np.float32], known: NDArray[np.bool_], feasible_below: float) -> CellEvaluation:
-    """All of a CellEvaluation; arguments as in `decode_costs`."""
-    cost, feasible, trust = decode_costs(probabilities, known, feasible_below)
-    likeliest = probabilities[:, :COST_BINS].argmax(axis=1).astype(np.uint8)
-    return CellEvaluation(np.where(feasible, likeliest, np.uint8(INFEASIBLE_CLASS)), cost, feasible, trust)
+    """The judgement that follows from (n, 14, 40, 40) probabilities; other arguments as in `assemble`."""
+    likeliest = probabilities[:, :COST_BINS].argmax(axis=1)
+    infeasible, cost = probabilities[:, INFEASIBLE_CLASS], expected_cost(probabilities)
+    return assemble(likeliest, infeasible, cost, known, feasible_below)

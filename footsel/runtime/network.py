@@ -1,6 +1,8 @@
 """One ONNX network and its contract: encoded local maps in, and for every cell what is asked for: scores, or cost."""
 
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -13,6 +15,9 @@ from footsel.terrain import CELLS
 
 #: The outputs that a choice needs.
 COSTS = (INFEASIBLE_OUTPUT, COST_OUTPUT)
+
+#: Maps per call of onnxruntime: more fall out of a core's cache and take up to half as long again per map.
+BATCH = 8
 
 
 class Network:
@@ -41,37 +46,65 @@ class Network:
             session = onnxruntime.InferenceSession(content, session_options(), providers=["CPUExecutionProvider"])
         # A damaged file meets one of a dozen onnxruntime errors whose only common base is Exception.
         except Exception as error:
-            first_line = (str(error).strip().splitlines() or [type(error).__name__])[0]
-            raise ModelError(
-                f"{source} is damaged or no ONNX model ({first_line})", "copy or export it again"
-            ) from None
+            raise _unreadable(error, source) from None
         contract = ModelContract.from_metadata(session.get_modelmeta().custom_metadata_map, source)
         _check_shapes(session, contract, source)
         return cls(session, contract)
 
     def logits(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
-        """(n, 14, 40, 40) scores before the softmax; arguments as in `probabilities`."""
-        return self.run(self.contract.encoding.encode(heights, roll, pitch), LOGITS_OUTPUT)[0]
+        """(n, 14, 40, 40) scores before the softmax; arguments as in `answers`."""
+        return self.answers(heights, roll, pitch, LOGITS_OUTPUT)[0]
 
     def probabilities(self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> NDArray[np.float32]:
-        """(n, 14, 40, 40) probability of each class, the last is "infeasible".
-
-        heights: (n, 40, 40) terrain height relative to the trained leg's L_i, NaN = unknown, in [m].
-        roll, pitch: (n,) or scalar tilt of the base, in [rad].
-        """
+        """(n, 14, 40, 40) probability of each class, the last is "infeasible"; arguments as in `answers`."""
         return softmax(self.logits(heights, roll, pitch), axis=1)
 
     def costs(
         self, heights: ArrayLike, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """(n, 40, 40) probability of "infeasible", and mean cost over all classes; arguments as in `probabilities`."""
-        infeasible, cost = self.run(self.contract.encoding.encode(heights, roll, pitch), *COSTS)
+        """(n, 40, 40) probability of "infeasible", and mean cost over all classes; arguments as in `answers`."""
+        infeasible, cost = self.answers(heights, roll, pitch, *COSTS)
         return infeasible, cost
+
+    def answers(
+        self, heights: ArrayLike, roll: ArrayLike, pitch: ArrayLike, *outputs: str
+    ) -> list[NDArray[np.float32]]:
+        """The named outputs of the graph for n local maps, in batches of the best size.
+
+        heights: (n, 40, 40) terrain height relative to the trained leg's L_i, NaN = unknown, in [m].
+        roll, pitch: (n,) or scalar tilt of the base, in [rad].
+        """
+        heights = np.asarray(heights)
+        if len(heights) <= BATCH:
+            return self.run(self._encode(heights, roll, pitch), *outputs)
+        rolls, pitches = (np.broadcast_to(np.asarray(tilt).reshape(-1), len(heights)) for tilt in (roll, pitch))
+        parts = []
+        for start in range(0, len(heights), BATCH):
+            part = slice(start, start + BATCH)
+            parts.append(self.run(self._encode(heights[part], rolls[part], pitches[part]), *outputs))
+        return [np.concatenate(output) for output in zip(*parts, strict=True)]
 
     def run(self, planes: NDArray[np.float32], *outputs: str) -> list[NDArray[np.float32]]:
         """The named outputs of the graph for encoded maps (n, planes, 40, 40)."""
         results: list[NDArray[np.float32]] = self._session.run(outputs, {INPUT: planes})
         return results
+
+    def _encode(self, heights: NDArray[Any], roll: ArrayLike, pitch: ArrayLike) -> NDArray[np.float32]:
+        # What is too far away for float32 lies beyond the range of the image all the same.
+        with np.errstate(over="ignore"):
+            return self.contract.encoding.encode(heights, roll, pitch)
+
+
+def _unreadable(error: Exception, source: str) -> ModelError:
+    """What onnxruntime has against a file, in one line."""
+    newer = re.search(r"(Opset \d+|IR version: \d+|domain_version of \d+)", str(error))
+    if newer:
+        return ModelError(
+            f"{source} is written for another onnxruntime than {onnxruntime.__version__} ({newer[1]})",
+            "install another onnxruntime, or export the model again",
+        )
+    first_line = (str(error).strip().splitlines() or [type(error).__name__])[0]
+    return ModelError(f"{source} is damaged or no ONNX model ({first_line})", "copy or export it again")
 
 
 def session_options() -> onnxruntime.SessionOptions:

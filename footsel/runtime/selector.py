@@ -1,7 +1,7 @@
 """From an elevation map and a base pose to footholds, with the network alone: what runs on the robot."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,22 +9,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footsel.errors import InputError
-from footsel.footholds import BasePose, CellScores, Foothold, LegLayout, choose
+from footsel.footholds import BasePose, Foothold, LegLayout
 from footsel.footholds.choice import CellCheck
-from footsel.footholds.request import LegRequest, prepare
-from footsel.legs import LEGS, check_leg, is_right, pair_of
-from footsel.runtime.evaluation import CellEvaluation, decode, decode_costs
-from footsel.runtime.inputs import checked_heights, checked_tilt
+from footsel.footholds.cost import COST_BINS
+from footsel.legs import LEGS, PAIRS, check_leg, check_legs, is_right, pair_of
+from footsel.runtime import inputs
+from footsel.runtime.answers import Answers
+from footsel.runtime.contract import LOGITS_OUTPUT
+from footsel.runtime.evaluation import CellEvaluation, assemble
+from footsel.runtime.leg_frames import Body, LegFrames
+from footsel.runtime.many import ManyFootholds
 from footsel.runtime.model_folder import DEFAULT_VARIANT, find_model_folder, load_networks
-from footsel.runtime.network import Network
+from footsel.runtime.network import BATCH, COSTS, Network
+from footsel.runtime.picking import Judgement, weigh
+from footsel.runtime.plausibility import UnitWarning
+from footsel.runtime.sampling import sample_legs
 from footsel.terrain import CELLS, ElevationMap
 
 #: verify(leg, base_pose, cell, position) -> whether the candidate may be used. base_pose: (x, y, z, roll, pitch, yaw)
 #: in the world frame; cell: (i, j) in the leg's local map; position: contact point in the world frame.
 Verify = Callable[[str, tuple[float, ...], tuple[int, int], tuple[float, float, float]], bool]
 
-WHY_NONE = "the network calls no known cell feasible"
+#: By how much a new foothold must be better than the previous one to be preferred to it, half a class. [cost]
+HYSTERESIS = 10.0
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,8 @@ class FootholdSelector:
         """From the "front" and the "hind" network of one robot; `load` reads them from a released model."""
         self._networks = dict(networks)
         self._contract = self._networks["front"].contract
+        self._body = Body(self._contract.layout)
+        self._units = UnitWarning(self._contract.layout)
 
     @classmethod
     def load(cls, model: str | Path = "anymal_b", variant: str = DEFAULT_VARIANT) -> "FootholdSelector":
@@ -71,17 +80,34 @@ class FootholdSelector:
         nominal: Mapping[str, ArrayLike] | None = None,
         top_k: int = 1,
         verify: Verify | None = None,
+        *,
+        previous: "Mapping[str, Foothold | ArrayLike | None] | None" = None,
+        hysteresis: float = HYSTERESIS,
+        max_distance: float | None = None,
     ) -> dict[str, Foothold]:
         """The cheapest feasible foothold of each leg, or one of status "none" that says why.
 
         base_pose: x, y, z, roll, pitch, yaw of the base in the world frame, in [m] and [rad].
         nominal: N_i of any leg as world (x, y) or (x, y, z), in [m]; the robot's nominal stance for legs not named.
         top_k: how many candidates to name in all, the chosen one and its alternatives.
-        verify: called on candidates in the order of their final cost until `top_k` of them are accepted.
+        verify: called on candidates in their order until `top_k` of them are accepted.
+        previous: footholds of any leg to stay with, as an earlier call answered or as world (x, y). One that may still
+            be chosen is kept in its place unless another's final cost is lower by more than `hysteresis`.
+        max_distance: from N_i, in [m]; cells farther away are not chosen.
 
         Raises InputError for a base off the map and for values that make no sense, UnknownNameError for a leg.
         """
-        return self.select_timed(elevation_map, base_pose, legs, nominal, top_k, verify)[0]
+        return self.select_timed(
+            elevation_map,
+            base_pose,
+            legs,
+            nominal,
+            top_k,
+            verify,
+            previous=previous,
+            hysteresis=hysteresis,
+            max_distance=max_distance,
+        )[0]
 
     def select_timed(
         self,
@@ -91,30 +117,69 @@ class FootholdSelector:
         nominal: Mapping[str, ArrayLike] | None = None,
         top_k: int = 1,
         verify: Verify | None = None,
+        *,
+        previous: "Mapping[str, Foothold | ArrayLike | None] | None" = None,
+        hysteresis: float = HYSTERESIS,
+        max_distance: float | None = None,
     ) -> tuple[dict[str, Foothold], Timing]:
         """As `select`, and how long it took."""
         start = time.perf_counter()
-        if not isinstance(top_k, (int, np.integer)) or top_k < 1:
-            raise InputError(f"top_k is {top_k!r}", "give a whole number of 1 or more")
-        requests = prepare(self.layout, elevation_map, base_pose, legs, nominal)
+        top_k = inputs.checked_top_k(top_k)
+        hysteresis = inputs.checked_limit("hysteresis", hysteresis, "give a final cost of 0 or more")
+        max_distance = _checked_max_distance(max_distance)
+        numbers = inputs.checked_pose(self.layout, inputs.checked_map(elevation_map), base_pose)
+        points, before = inputs.checked_points("nominal foothold", nominal), inputs.checked_previous(previous)
+        legs = check_legs(legs)
+        if not legs:
+            return {}, Timing((time.perf_counter() - start) * 1e3, 0.0)
 
-        network_start = time.perf_counter()
-        scores = self._scores(requests)
-        network_ms = (time.perf_counter() - network_start) * 1e3
-
-        weight = self._contract.distance_weight
-        footholds = {
-            request.leg: choose(
-                scores[request.leg],
-                request.local_map,
-                request.nominal,
-                int(top_k),
-                None if verify is None else _bind(verify, request),
-                weight,
-            )
-            for request in requests
-        }
+        frames = self._body.place(np.array([numbers]), sorted(legs, key=pair_of), points)
+        answers, network_ms = self._answers(elevation_map, frames, max_distance)
+        index = {leg: number for number, leg in enumerate(frames.legs)}
+        footholds = {}
+        for leg in legs:
+            kept = None
+            if leg in before:
+                x, y = before[leg][:2].tolist()
+                kept = answers.previous(index[leg], x, y, float(elevation_map.sample((x, y))))
+            check = None if verify is None else _bind(verify, leg, tuple(numbers))
+            footholds[leg] = answers.foothold(index[leg], top_k, check, kept, hysteresis)
         return footholds, Timing((time.perf_counter() - start) * 1e3, network_ms)
+
+    def select_many(
+        self,
+        elevation_map: ElevationMap,
+        base_poses: ArrayLike,
+        legs: Iterable[str] = LEGS,
+        nominal: Mapping[str, ArrayLike] | None = None,
+        *,
+        max_distance: float | None = None,
+    ) -> ManyFootholds:
+        """The cheapest feasible foothold of each leg at each of many base poses, as arrays.
+
+        base_poses: (n, 6) x, y, z, roll, pitch, yaw of the base in the world frame, in [m] and [rad].
+        nominal: N_i of any leg, (2,) or (3,) for all poses or (n, 2) or (n, 3), in the world frame, in [m]; the robot's
+            nominal stance for legs not named.
+        max_distance: as in `select`.
+
+        Raises InputError for a base off the map and for values that make no sense, UnknownNameError for a leg.
+        """
+        max_distance = _checked_max_distance(max_distance)
+        poses = inputs.checked_poses(base_poses)
+        inputs.checked_map(elevation_map)
+        for pose in poses[~elevation_map.contains(poses[:, :2])][:1]:
+            self.layout.check_on_map(elevation_map, BasePose.of(pose))
+        points = inputs.checked_points("nominal foothold", nominal, len(poses))
+        legs = check_legs(legs)
+        if not (len(poses) and legs):
+            return ManyFootholds.none(len(poses), legs)
+        parts = []
+        for start in range(0, len(poses), BATCH):
+            part = slice(start, start + BATCH)
+            nearby = {leg: point[part] if point.ndim == 2 else point for leg, point in points.items()}
+            frames = self._body.place(poses[part], sorted(legs, key=pair_of), nearby)
+            parts.append(self._answers(elevation_map, frames, max_distance)[0].as_arrays(legs))
+        return ManyFootholds.concatenate(parts)
 
     def evaluate(
         self, local_heights: ArrayLike, leg: str, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0
@@ -128,31 +193,51 @@ class FootholdSelector:
         Raises InputError for another shape and for infinite values, UnknownNameError for a leg.
         """
         network = self._networks[pair_of(check_leg(leg))]
-        heights = checked_heights(local_heights)
+        heights = inputs.checked_heights(local_heights)
         single = heights.ndim == 2
-        heights = heights.reshape(-1, CELLS, CELLS)
-        rolls, pitches = (checked_tilt(name, tilt, len(heights)) for name, tilt in (("roll", roll), ("pitch", pitch)))
-        heights = _mirrored(heights, leg)
-        probabilities = network.probabilities(heights, _mirrored_roll(rolls, leg), pitches)
-        result = decode(probabilities, ~np.isnan(heights), network.contract.feasible_below)
+        heights = _mirrored(heights.reshape(-1, CELLS, CELLS), leg)
+        rolls, pitches = (
+            inputs.checked_tilt(name, tilt, len(heights)) for name, tilt in (("roll", roll), ("pitch", pitch))
+        )
+        rolls = -rolls if is_right(leg) else rolls
+        logits, infeasible, cost = network.answers(heights, rolls, pitches, LOGITS_OUTPUT, *COSTS)
+        likeliest = logits[:, :COST_BINS].argmax(axis=1)
+        result = assemble(likeliest, infeasible, cost, ~np.isnan(heights), network.contract.feasible_below)
         planes = (_mirrored(plane, leg) for plane in (result.class_, result.cost, result.feasible, result.confidence))
         return CellEvaluation(*(plane[0] if single else plane for plane in planes))
 
-    def _scores(self, requests: Sequence[LegRequest]) -> dict[str, CellScores]:
-        """What is thought of every leg's cells; a pair's two legs run as one batch, the right one mirrored."""
-        scores = {}
-        for pair, network in self._networks.items():
-            batch = [request for request in requests if pair_of(request.leg) == pair]
-            if not batch:
-                continue
-            heights = np.stack([_mirrored(request.local_map.heights, request.leg) for request in batch])
-            roll = np.stack([_mirrored_roll(np.array(request.pose.roll), request.leg) for request in batch])
-            probabilities = network.probabilities(heights, roll, batch[0].pose.pitch)
-            decoded = decode_costs(probabilities, ~np.isnan(heights), network.contract.feasible_below)
-            for request, *planes in zip(batch, *decoded, strict=True):
-                cost, feasible, confidence = (_mirrored(plane, request.leg) for plane in planes)
-                scores[request.leg] = CellScores(cost, feasible, WHY_NONE, confidence)
-        return scores
+    def _answers(
+        self, elevation_map: ElevationMap, frames: LegFrames, max_distance: float | None
+    ) -> tuple[Answers, float]:
+        """What is thought of the surroundings of all legs, a pair's beside each other; and the network's ms."""
+        layout, weight = self.layout, self._contract.distance_weight
+        nominal_xy = frames.nominal[:, :2]
+        heights, terrain = sample_legs(
+            elevation_map, frames.hips, frames.heading, frames.side, nominal_xy, layout.resolution
+        )
+        self._units.check(heights)
+        start = time.perf_counter()
+        judgement = self._judge(heights, frames)
+        network_ms = (time.perf_counter() - start) * 1e3
+        final_costs = weigh(judgement, frames, layout.resolution, weight, max_distance)
+        nominal = frames.nominal_on(terrain)
+        return Answers(judgement, frames, final_costs, nominal, layout.resolution, weight, max_distance), network_ms
+
+    def _judge(self, heights: NDArray[np.float32], frames: LegFrames) -> Judgement:
+        """Each network's view of its pair's legs, all of them in one batch."""
+        roll, pitch = frames.poses[:, 3] * frames.side, frames.poses[:, 4]
+        parts, thresholds = [], []
+        start = 0
+        for pair in PAIRS:
+            count = sum(pair_of(leg) == pair for leg in frames.legs)
+            if count:
+                part = slice(start, start + count)
+                network = self._networks[pair]
+                parts.append(network.costs(heights[part], roll[part], pitch[part]))
+                thresholds += [network.contract.feasible_below] * count
+                start += count
+        infeasible, cost = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+        return Judgement(heights, infeasible, cost, np.array(thresholds, dtype=np.float32))
 
 
 def _mirrored(plane: NDArray[Any], leg: str) -> NDArray[Any]:
@@ -160,11 +245,9 @@ def _mirrored(plane: NDArray[Any], leg: str) -> NDArray[Any]:
     return plane[..., ::-1] if is_right(leg) else plane
 
 
-def _mirrored_roll(roll: NDArray[np.float64], leg: str) -> NDArray[np.float64]:
-    """The roll that goes with `_mirrored`."""
-    return -roll if is_right(leg) else roll
+def _bind(verify: Verify, leg: str, base_pose: tuple[float, ...]) -> CellCheck:
+    return lambda cell, position: bool(verify(leg, base_pose, cell, position))
 
 
-def _bind(verify: Verify, request: LegRequest) -> CellCheck:
-    numbers = tuple(request.pose.as_list())
-    return lambda cell, position: bool(verify(request.leg, numbers, cell, position))
+def _checked_max_distance(distance: float | None) -> float | None:
+    return None if distance is None else inputs.checked_limit("max_distance", distance, "give metres, or None")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from footsel.footholds.cost import expected_cost
-from footsel.runtime.evaluation import decode, decode_costs
+from footsel.runtime.evaluation import decode
 
 
 def test_decoding_is_the_written_rule():
@@ -27,6 +27,6 @@ def test_decoding_is_the_written_rule():
 def test_certain_probabilities_make_no_nan():
     probabilities = np.zeros((1, 14, 2, 2), dtype=np.float32)
     probabilities[:, 13] = 1
-    cost, feasible, confidence = decode_costs(probabilities, np.ones((1, 2, 2), dtype=bool), 1.0)
-    assert not feasible.any()
-    assert (cost == 255).all() and (confidence == 0).all()
+    judged = decode(probabilities, np.ones((1, 2, 2), dtype=bool), 1.0)
+    assert not judged.feasible.any()
+    assert (judged.cost == 255).all() and (judged.confidence == 0).all()

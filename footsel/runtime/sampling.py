@@ -1,0 +1,117 @@
+"""Local maps of many legs in one pass over the elevation map: `ElevationMap.sample`, for less than a network costs.
+
+A plain reference is `terrain.extract_local_map`, leg by leg. Here legs share every numpy call, heights are blended in
+float32, and the treatment of borders and holes is paid for only where they are met.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footsel.terrain import CELLS, ElevationMap
+
+#: Cell centres of a local map along one axis, from its middle, in [cells].
+OFFSETS = np.arange(CELLS) - (CELLS - 1) / 2
+
+#: Turns a heading by a quarter, once its parts have changed places.
+_LEFTWARDS = np.array([-1.0, 1.0])
+#: A local map is a rectangle: where its corners are on the map, all of it is. Its leg's point comes last.
+_EXTREMES = [0, CELLS - 1, CELLS * (CELLS - 1), CELLS * CELLS - 1, CELLS * CELLS]
+
+
+def sample_legs(
+    elevation_map: ElevationMap,
+    hips: NDArray[np.float64],
+    heading: NDArray[np.float64],
+    side: NDArray[np.float64],
+    points: NDArray[np.float64],
+    resolution: float,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Local maps (m, 40, 40) of heights relative to the hip points, and heights (m,) at a point of each leg.
+
+    hips: (m, 3) hip points L_i in the world frame, in [m].
+    heading: (m, 2) cosine and sine of the base's yaw.
+    side: (m,) -1 for legs whose map is turned round along y, as their mirror image would see it; else 1.
+    points: (m, 2) world points, in [m].
+    resolution: side of a local map's cell, in [m].
+    Heights in [m], NaN = unknown.
+    """
+    nx, ny = elevation_map.shape
+    places = np.stack([hips[:, :2], points]) - elevation_map.position  # (2, m, 2)
+    places /= elevation_map.resolution
+    places += ((nx - 1) / 2, (ny - 1) / 2)
+    along_x = heading * (resolution / elevation_map.resolution)  # (m, 2) map cells per cell along H's x
+    along_y = along_x[:, ::-1] * (_LEFTWARDS * side[:, None])  # the same along H's y
+
+    index = np.empty((2, len(hips), CELLS * CELLS + 1))  # u and v of the cells of a local map, and of the leg's point
+    rows = along_x.T[:, :, None] * OFFSETS + places[0].T[:, :, None]
+    columns = along_y.T[:, :, None] * OFFSETS
+    np.add(rows[..., None], columns[:, :, None, :], out=index[..., :-1].reshape(2, -1, CELLS, CELLS))
+    index[..., -1] = places[1].T
+
+    heights = _sample(elevation_map, index)
+    local = np.empty((len(hips), CELLS, CELLS), dtype=np.float32)
+    np.subtract(heights[:, :-1].reshape(local.shape), hips[:, 2, None, None], out=local, casting="same_kind")
+    return local, heights[:, -1]
+
+
+def _sample(elevation_map: ElevationMap, index: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(m, 1601) heights at indices u and v (2, m, 1601) of the cells of rectangles and a point each."""
+    nx, ny = elevation_map.shape
+    extremes = index[:, :, _EXTREMES].reshape(2, -1)
+    (low_u, low_v), (high_u, high_v) = extremes.min(axis=1).tolist(), extremes.max(axis=1).tolist()
+    inside = None
+    if low_u < 0 or low_v < 0 or high_u >= nx - 1 or high_v >= ny - 1:
+        most = np.array([nx, ny])[:, None, None]
+        inside = ((index + 0.5 >= 0) & (index + 0.5 < most)).all(axis=0)
+        index = np.clip(index, 0, most - 1)
+        first = np.minimum(index.astype(np.intp), most - 2)
+    else:
+        first = index.astype(np.intp)
+    share_u, share_v = (index - first).astype(np.float32)
+
+    flat = elevation_map.elevation.reshape(-1)
+    at = first[0] * ny
+    at += first[1]
+    low, low_next = flat.take(at), flat[1:].take(at)
+    high, high_next = flat[ny:].take(at), flat[ny + 1 :].take(at)
+    # Differences of absurd heights leave float32; as what is unknown, they are worked out once more below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        heights = _blend(_blend(low, low_next, share_v), _blend(high, high_next, share_v), share_u)
+
+    sound = np.isfinite(heights)
+    if not sound.all():
+        holes = ~sound
+        heights[holes] = _beside_unknown(flat, ny, index[:, holes], first[:, holes])
+    if inside is not None:
+        heights[~inside] = np.nan
+    return heights
+
+
+def _blend(start: NDArray[np.float32], end: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:
+    """start + share * (end - start), in the memory of `end`."""
+    end -= start
+    end *= share
+    end += start
+    return end
+
+
+def _beside_unknown(
+    flat: NDArray[np.float32], ny: int, index: NDArray[np.float64], first: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """(p,) heights at points with an unknown neighbour: the known ones share its weight; NaN if the nearest is unknown.
+
+    flat: the map's cells, rows of `ny` in one row. index: (2, p) u and v of the points. first: (2, p) indices of the
+    first of the four cells around each.
+    """
+    (u, v), (i, j) = index, first
+    a, b = u - i, v - j
+    heights = flat[i * ny + j + np.array([0, 1, ny, ny + 1])[:, None]]
+    weights = np.stack([(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b])
+    unknown = np.isnan(heights)
+    nearest = 2 * (np.floor(u + 0.5) > i) + (np.floor(v + 0.5) > j)
+    known = ~unknown[nearest, np.arange(len(nearest))]
+    weights[unknown] = 0
+    heights[unknown] = 0
+    # A known nearest cell has weight, so no known point divides by zero.
+    total = np.where(known, weights.sum(axis=0), np.nan)
+    return np.asarray((weights * heights).sum(axis=0) / total)
