@@ -91,6 +91,10 @@ int main(int argc, char** argv) {
     const auto selection = selector->select(map->view(), arguments->pose, arguments->legs, arguments->select);
     if (!selection) return fail(selection.error());
 
+    if (selection->far_from_terrain) {
+        std::fputs("footsel_select: no terrain near the legs: is the map in metres, and in the frame of the pose?\n", stderr);
+    }
+
     const auto& pose = arguments->pose;
     footsel::JsonWriter json(stdout);
     json.open('{').text(selector->robot().c_str(), "robot").text("cnn", "selector");

@@ -40,6 +40,8 @@ class Case:
     pose: tuple[float, ...]
     legs: tuple[str, ...] = LEGS
     nominal: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    previous: dict[str, tuple[float, float]] = field(default_factory=dict)
+    hysteresis: float = 10.0
     top_k: int = 1
     max_distance: float = np.inf
     verify: int = 0
@@ -59,6 +61,8 @@ class Case:
         for leg in LEGS:
             point = self.nominal.get(leg, ())
             points += [len(point), *point, *[0.0] * (3 - len(point))]
+        for leg in LEGS:
+            points += [leg in self.previous, *self.previous.get(leg, (0.0, 0.0))]
         numbers = (
             *elevation.shape,
             resolution,
@@ -66,6 +70,7 @@ class Case:
             *self.pose,
             *(leg in self.legs for leg in LEGS),
             *points,
+            self.hysteresis,
             self.top_k,
             self.max_distance,
             self.verify,
@@ -73,7 +78,7 @@ class Case:
             self.null,
         )
         lying = {"row_major": elevation, "column_major": elevation.T, "grid_map": elevation[::-1, ::-1].T}[self.order]
-        return struct.pack("<36d", *map(float, numbers)) + np.ascontiguousarray(lying, dtype="<f4").tobytes()
+        return struct.pack("<49d", *map(float, numbers)) + np.ascontiguousarray(lying, dtype="<f4").tobytes()
 
 
 @dataclass(frozen=True)

@@ -23,14 +23,14 @@ def ask(cpp, model_folder, case):
 
 
 @pytest.mark.parametrize("number", range(6))
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
 def test_pose_that_is_not_finite(ask, number, value):
     pose = [*POSE]
     pose[number] = value
-    assert "give six finite numbers: x y z roll pitch yaw" in ask(tuple(pose))["error"]
+    assert "give six finite numbers: x y z roll pitch yaw, in m and rad" in ask(tuple(pose))["error"]
 
 
-@pytest.mark.parametrize("x", [-5.0, 1.0001, 1e9])
+@pytest.mark.parametrize("x", [-5.0, 1.0001, 9e8])
 def test_base_off_the_map_says_what_python_says(ask, model_folder, x):
     selector = FootholdSelector.load(model_folder)
     with pytest.raises(InputError) as python:
@@ -53,6 +53,11 @@ def test_resolution_that_makes_no_map(ask, resolution):
     assert "expected a cell side above 0 m" in ask(resolution=resolution)["error"]
 
 
+@pytest.mark.parametrize("resolution", [1e-6, 20_000.0])
+def test_cells_that_no_leg_can_use(ask, resolution):
+    assert "m wide; give its resolution in metres" in ask(resolution=resolution)["error"]
+
+
 def test_position_that_is_not_finite(ask):
     assert "expected two finite numbers, world xy in metres" in ask(position=(0.0, np.nan))["error"]
 
@@ -67,9 +72,11 @@ def test_infinite_heights_where_a_leg_looks(ask, height):
         assert "footholds" in ask(elevation=elevation)
 
 
-def test_pose_out_of_a_floats_range(ask):
-    """Python refuses it for the same reason: no height relative to the hip would be finite."""
-    assert "infinite heights" in ask((0.0, 0.0, 1e300, 0, 0, 0))["error"]
+def test_terrain_far_from_every_leg_is_said(ask):
+    """A map in millimetres, or in another frame."""
+    assert ask()["far_from_terrain"] == 0
+    assert ask(elevation=FLAT + 500)["far_from_terrain"] == 1
+    assert ask(elevation=FLAT + np.nan)["far_from_terrain"] == 0
 
 
 def test_unknown_map_is_an_answer(ask):
@@ -104,6 +111,15 @@ def test_top_k_out_of_range(ask, top_k):
 @pytest.mark.parametrize("max_distance", [-0.1, np.nan])
 def test_max_distance_that_makes_no_sense(ask, max_distance):
     assert "give 0 m or more" in ask(max_distance=max_distance)["error"]
+
+
+@pytest.mark.parametrize("hysteresis", [-1.0, np.nan])
+def test_hysteresis_that_makes_no_sense(ask, hysteresis):
+    assert "give a final cost of 0 or more" in ask(hysteresis=hysteresis)["error"]
+
+
+def test_previous_foothold_that_is_not_finite(ask):
+    assert "previous foothold of LH is" in ask(previous={"LH": (0.0, np.nan)})["error"]
 
 
 def test_verify_that_throws(ask):

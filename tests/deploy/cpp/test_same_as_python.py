@@ -50,11 +50,19 @@ def draw_case(case, course, layout, rng):
         if rng.random() < 0.15:
             near = layout.nominal_xy(leg, BasePose(x, y, z, yaw=yaw)) + rng.normal(0, 0.1, 2)
             nominal[leg] = (*near.tolist(), *([float(rng.normal(0, 0.1))] if rng.random() < 0.5 else []))
+    previous = {}
+    for leg in LEGS:
+        if rng.random() < 0.2:
+            near = layout.nominal_xy(leg, BasePose(x, y, z, yaw=yaw)) + rng.normal(0, 0.1, 2)
+            previous[leg] = tuple(near.tolist())
     return case(
         elevation_map,
         (float(x), float(y), float(z), float(roll), float(pitch), float(yaw)),
         legs,
         nominal,
+        previous,
+        hysteresis=float(rng.choice([0.0, 10.0, 40.0, np.inf])),
+        max_distance=float(rng.choice([np.inf, 0.2, 0.05, 0.001], p=[0.7, 0.1, 0.1, 0.1])),
         top_k=int(rng.choice([1, 1, 3, 16])),
         verify=int(rng.choice(list(VERIFY), p=[0.8, 0.05, 0.15])),
         order=str(rng.choice(["row_major", "column_major", "grid_map"])),
@@ -71,7 +79,15 @@ def cases(case, released):
 
 def by_python(selector, case):
     footholds = selector.select(
-        case.elevation_map, case.pose, case.legs, case.nominal, top_k=case.top_k, verify=VERIFY[case.verify]
+        case.elevation_map,
+        case.pose,
+        case.legs,
+        case.nominal,
+        top_k=case.top_k,
+        verify=VERIFY[case.verify],
+        previous=case.previous,
+        hysteresis=case.hysteresis,
+        max_distance=case.max_distance,
     )
     return {leg: foothold.to_dict() for leg, foothold in footholds.items()}
 
@@ -104,6 +120,7 @@ def test_the_same_footholds_on_a_thousand_cases(cpp, released, cases):
     answers = cpp.select(released, cases)
     assert len(answers) == CASES
     outcomes = Counter()
+    kept = 0
     for number, (case, answer) in enumerate(zip(cases, answers, strict=True)):
         expected = by_python(selector, case)
         assert answer["footholds"].keys() == expected.keys(), number
@@ -112,12 +129,15 @@ def test_the_same_footholds_on_a_thousand_cases(cpp, released, cases):
                 assert_same(answer["footholds"][leg], foothold)
             except AssertionError as error:
                 raise AssertionError(f"case {number}, {leg}: {error}") from None
+            kept += foothold["position"] is not None and case.previous.get(leg) == tuple(foothold["position"][:2])
             outcomes[" ".join(word for word in (foothold["reason"] or "ok").split() if not word.isdigit())] += 1
     # The cases are worth something only if they meet every answer.
     assert outcomes["ok"] > CASES
     assert outcomes["no cell of the local map is known"] >= 10
     assert outcomes["the network calls no known cell feasible"] >= 10
     assert outcomes["none of candidates passed the verification"] >= 10
+    assert outcomes["no feasible cell lies within 0.001 m of the nominal foothold"] >= 10
+    assert kept >= 50
 
 
 def test_a_difference_would_be_seen(cpp, released, cases):

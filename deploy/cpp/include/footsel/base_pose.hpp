@@ -10,6 +10,9 @@ namespace footsel {
 
 using Vector3 = std::array<double, 3>;
 
+/// Whether a number can be a coordinate in metres or an angle in radians: it is finite, and arithmetic with it is safe.
+inline bool is_plausible(double number) noexcept { return std::abs(number) < 1e9; }
+
 /// Base frame B in the world frame W, in [m] and [rad]: R = Rz(yaw) Ry(pitch) Rx(roll).
 struct BasePose {
     double x = 0, y = 0, z = 0;
@@ -17,9 +20,9 @@ struct BasePose {
 
     Result<void> check() const noexcept {
         for (double number : {x, y, z, roll, pitch, yaw}) {
-            if (!std::isfinite(number)) {
+            if (!is_plausible(number)) {
                 return Error::format(ErrorCode::input,
-                                     "base pose is [%g, %g, %g, %g, %g, %g]; give six finite numbers: x y z roll pitch yaw",
+                                     "base pose is [%g, %g, %g, %g, %g, %g]; give six finite numbers: x y z roll pitch yaw, in m and rad",
                                      x, y, z, roll, pitch, yaw);
             }
         }

@@ -55,6 +55,9 @@ struct ElevationMap {
         if (!std::isfinite(resolution) || resolution <= 0) {
             return Error::format(ErrorCode::map, "resolution is %g; expected a cell side above 0 m", resolution);
         }
+        if (resolution < 1e-5 || resolution > 1e3) {
+            return Error::format(ErrorCode::map, "the map's cells are %g m wide; give its resolution in metres", resolution);
+        }
         if (!std::isfinite(position[0]) || !std::isfinite(position[1])) {
             return Error::format(ErrorCode::map, "position is (%g, %g); expected two finite numbers, world xy in metres",
                                  position[0], position[1]);
@@ -67,55 +70,63 @@ struct ElevationMap {
         return elevation[static_cast<std::ptrdiff_t>(i) * stride_x + static_cast<std::ptrdiff_t>(j) * stride_y];
     }
 
+    /// Where a world point is among the cells, whole numbers at their centres.
+    std::array<double, 2> index_of(double x, double y) const noexcept {
+        return {(x - position[0]) / resolution + (static_cast<double>(nx) - 1) / 2,
+                (y - position[1]) / resolution + (static_cast<double>(ny) - 1) / 2};
+    }
+
     /// Whether a world point lies on the map, known or not.
     bool contains(double x, double y) const noexcept {
-        const double u = index_along(0, x), v = index_along(1, y);
+        const auto [u, v] = index_of(x, y);
         return u >= -0.5 && u < static_cast<double>(nx) - 0.5 && v >= -0.5 && v < static_cast<double>(ny) - 0.5;
     }
 
     /// Height at a world point, in [m]; NaN where the cell that it falls in is unknown or off the map.
+    float sample(double x, double y) const noexcept {
+        const auto [u, v] = index_of(x, y);
+        return sample_at(u, v);
+    }
+
+    /// The same at an index between cells.
     ///
     /// Heights are interpolated bilinearly, so a plane stays that plane at any yaw and any cell size. Unknown neighbours
     /// carry no weight: holes neither grow nor shrink. Infinity says that a cell around the point is infinite, which no
     /// map may be.
-    float sample(double x, double y) const noexcept {
-        constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+    float sample_at(double u, double v) const noexcept {
         const double last_i = static_cast<double>(nx) - 1, last_j = static_cast<double>(ny) - 1;
-        double u = index_along(0, x), v = index_along(1, y);
         // Said this way round, NaN is outside too.
-        if (!(u + 0.5 >= 0 && u + 0.5 < last_i + 1 && v + 0.5 >= 0 && v + 0.5 < last_j + 1)) return unknown;
-
+        if (!(u + 0.5 >= 0 && u + 0.5 < last_i + 1 && v + 0.5 >= 0 && v + 0.5 < last_j + 1)) {
+            return std::numeric_limits<float>::quiet_NaN();
+        }
         u = std::clamp(u, 0.0, last_i);
         v = std::clamp(v, 0.0, last_j);
         const std::size_t i = std::min(static_cast<std::size_t>(u), nx - 2);
         const std::size_t j = std::min(static_cast<std::size_t>(v), ny - 2);
         const double a = u - static_cast<double>(i), b = v - static_cast<double>(j);
-        const float heights[]{at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)};
-        const double weights[]{(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b};
+        const std::array<float, 4> corners{at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)};
 
-        if (std::isfinite(heights[0] + heights[1] + heights[2] + heights[3])) {
-            double sum = 0, weight = 0;
-            for (int k = 0; k < 4; ++k) {
-                sum += weights[k] * static_cast<double>(heights[k]);
-                weight += weights[k];
-            }
-            return static_cast<float>(sum / weight);
-        }
+        // In 32 bits, as in Python: the network sees the very same heights.
+        const float share_i = static_cast<float>(a), share_j = static_cast<float>(b);
+        const float low = corners[0] + share_j * (corners[1] - corners[0]);
+        const float high = corners[2] + share_j * (corners[3] - corners[2]);
+        const float height = low + share_i * (high - low);
+        if (std::isfinite(height)) return height;
         const int nearest = 2 * (std::floor(u + 0.5) > static_cast<double>(i)) + (std::floor(v + 0.5) > static_cast<double>(j));
-        double sum = 0, weight = 0;
-        for (int k = 0; k < 4; ++k) {
-            if (std::isinf(heights[k])) return std::numeric_limits<float>::infinity();
-            if (std::isnan(heights[k])) continue;
-            sum += weights[k] * static_cast<double>(heights[k]);
-            weight += weights[k];
-        }
-        return std::isnan(heights[nearest]) ? unknown : static_cast<float>(sum / weight);
+        return sample_beside_unknown(corners, a, b, static_cast<std::size_t>(nearest));
     }
 
-    /// Fractional index of a world coordinate along an axis, a whole number at cell centres.
-    double index_along(int axis, double coordinate) const noexcept {
-        const double centre = (static_cast<double>(axis == 0 ? nx : ny) - 1) / 2;
-        return (coordinate - position[static_cast<std::size_t>(axis)]) / resolution + centre;
+    /// Height among four cells of which some are unknown, or so absurd that 32 bits do not hold their differences.
+    static float sample_beside_unknown(const std::array<float, 4>& corners, double a, double b, std::size_t nearest) noexcept {
+        const std::array<double, 4> weights{(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b};
+        double sum = 0, weight = 0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (std::isinf(corners[k])) return std::numeric_limits<float>::infinity();
+            if (std::isnan(corners[k])) continue;
+            sum += weights[k] * static_cast<double>(corners[k]);
+            weight += weights[k];
+        }
+        return std::isnan(corners[nearest]) ? corners[nearest] : static_cast<float>(sum / weight);
     }
 };
 

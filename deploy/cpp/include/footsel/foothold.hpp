@@ -63,6 +63,9 @@ struct Foothold {
 struct Selection {
     LegSet legs;  ///< that were asked for
     PerLeg<Foothold> footholds;
+    /// Whether terrain is known around the legs, but nowhere within ten height ranges of any hip: is the map in metres, and
+    /// in the frame of the pose?
+    bool far_from_terrain = false;
     double total_ms = 0;    ///< wall time of the call
     double network_ms = 0;  ///< encoding, inference and decoding, a part of the total
 

@@ -1,6 +1,7 @@
 /// From an elevation map and a base pose to footholds, with the network alone: what runs on the robot.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -20,6 +21,7 @@
 #include "footsel/model_folder.hpp"
 #include "footsel/network.hpp"
 #include "footsel/result.hpp"
+#include "footsel/select_options.hpp"
 
 namespace footsel {
 
@@ -27,20 +29,6 @@ namespace footsel {
 struct LoadOptions {
     Variant variant = Variant::float32;
     std::string robot;  ///< refuse a model of another robot; empty: take what there is
-};
-
-/// A nominal foothold N_i of the caller's own: a world point, in [m]. Without z it lies on the terrain.
-struct Nominal {
-    double x = 0, y = 0;
-    std::optional<double> z;
-};
-
-/// What a selection may be asked for beyond the map, the pose and the legs.
-struct SelectOptions {
-    PerLeg<std::optional<Nominal>> nominal;  ///< N_i by leg; the robot's nominal stance for legs without one
-    std::size_t top_k = 1;                   ///< candidates to name, the chosen one and its alternatives
-    double max_distance = std::numeric_limits<double>::infinity();  ///< no cell farther from N_i is chosen, in [m]
-    Verify verify;  ///< called on candidates in the order of their final cost until `top_k` of them are accepted
 };
 
 /// Tilt of the base, in [rad].
@@ -110,16 +98,20 @@ public:
         Selection selection;
         selection.legs = legs;
         if (auto checked = check_request(map, pose, legs, options); !checked) return checked.error();
+        float nearest = std::numeric_limits<float>::infinity();
+        std::size_t known = 0;
         for (Leg leg : LEGS) {
             if (!legs.contains(leg)) continue;
             selection.footholds[leg].nominal = nominal_of(leg, map, pose, options);
-            const LocalFrame frame{layout().hip_position(leg, pose), Heading(pose.yaw), layout().resolution};
-            const auto known = extract_local_map(map, frame, memory_->heights[leg]);
-            if (!known) return known.error();
-            memory_->known[leg] = *known;
+            const auto summary = extract_local_map(map, frame_of(leg, pose), memory_->heights[leg]);
+            if (!summary) return summary.error();
+            memory_->known[leg] = summary->known;
+            known += summary->known;
+            nearest = std::min(nearest, summary->nearest);
         }
+        selection.far_from_terrain = known > 0 && nearest >= static_cast<float>(IMPLAUSIBLE * layout().height_range);
         for (Pair pair : PAIRS) {
-            if (auto done = select_pair(pair, pose, options, selection); !done) return done.error();
+            if (auto done = select_pair(pair, map, pose, options, selection); !done) return done.error();
         }
         selection.total_ms = milliseconds_since(start);
         return selection;
@@ -148,6 +140,9 @@ public:
     }
 
 private:
+    /// Ground this many height ranges above or below every hip is no ground a leg has to do with.
+    static constexpr double IMPLAUSIBLE = 10;
+
     using Clock = std::chrono::steady_clock;
 
     /// All that a call writes to, laid out once.
@@ -216,13 +211,7 @@ private:
     Result<void> check_request(const ElevationMap& map, const BasePose& pose, LegSet legs,
                                const SelectOptions& options) const noexcept {
         if (memory_ == nullptr) return Error::format(ErrorCode::input, "this selector was moved from");
-        if (options.top_k < 1 || options.top_k > MOST_CANDIDATES) {
-            return Error::format(ErrorCode::input, "top_k is %zu; give a whole number from 1 to %zu", options.top_k,
-                                 MOST_CANDIDATES);
-        }
-        if (!(options.max_distance >= 0)) {
-            return Error::format(ErrorCode::input, "max_distance is %g; give 0 m or more", options.max_distance);
-        }
+        if (auto checked = options.check(legs); !checked) return checked;
         if (auto checked = map.check(); !checked) return checked;
         if (auto checked = pose.check(); !checked) return checked;
         if (!map.contains(pose.x, pose.y)) {
@@ -232,13 +221,6 @@ private:
                                  "the base at x=%g y=%g is off the map; the map spans x %g..%g and y %g..%g m", pose.x, pose.y,
                                  map.position[0] - half_x, map.position[0] + half_x, map.position[1] - half_y,
                                  map.position[1] + half_y);
-        }
-        for (Leg leg : LEGS) {
-            const auto& own = options.nominal[leg];
-            if (legs.contains(leg) && own && !(std::isfinite(own->x) && std::isfinite(own->y) && std::isfinite(own->z.value_or(0)))) {
-                return Error::format(ErrorCode::input, "nominal foothold of %s is (%g, %g); give world (x, y) or (x, y, z)",
-                                     name(leg), own->x, own->y);
-            }
         }
         return {};
     }
@@ -251,8 +233,8 @@ private:
         }
         if (maps < 1) return Error::format(ErrorCode::input, "no local maps; give one or more");
         for (std::size_t map = 0; map < maps; ++map) {
-            if (!std::isfinite(tilts[map].roll) || !std::isfinite(tilts[map].pitch)) {
-                return Error::format(ErrorCode::input, "the tilt of map %zu is not finite; give angles in rad", map);
+            if (!is_plausible(tilts[map].roll) || !is_plausible(tilts[map].pitch)) {
+                return Error::format(ErrorCode::input, "the tilt of map %zu is not finite or absurd; give angles in rad", map);
             }
         }
         for (std::size_t cell = 0; cell < maps * MAP_CELLS; ++cell) {
@@ -263,6 +245,10 @@ private:
         return {};
     }
 
+    LocalFrame frame_of(Leg leg, const BasePose& pose) const noexcept {
+        return {layout().hip_position(leg, pose), Heading(pose.yaw), layout().resolution};
+    }
+
     Vector3 nominal_of(Leg leg, const ElevationMap& map, const BasePose& pose, const SelectOptions& options) const noexcept {
         const auto& own = options.nominal[leg];
         if (own && own->z) return {own->x, own->y, *own->z};
@@ -271,7 +257,8 @@ private:
     }
 
     /// A pair's two legs run as one batch, the right one mirrored.
-    Result<void> select_pair(Pair pair, const BasePose& pose, const SelectOptions& options, Selection& selection) noexcept {
+    Result<void> select_pair(Pair pair, const ElevationMap& map, const BasePose& pose, const SelectOptions& options,
+                             Selection& selection) noexcept {
         const auto start = Clock::now();
         std::array<Leg, 2> legs{};
         std::size_t count = 0;
@@ -290,14 +277,11 @@ private:
 
         for (std::size_t i = 0; i < count; ++i) {
             const Leg leg = legs[i];
-            const LegView view{leg,
-                               {layout().hip_position(leg, pose), Heading(pose.yaw), layout().resolution},
-                               memory_->heights[leg],
-                               memory_->known[leg],
-                               batch.infeasible(i),
+            const LegView view{leg,       frame_of(leg, pose), memory_->heights[leg], memory_->known[leg], batch.infeasible(i),
                                batch.cost(i)};
-            auto done = choose(view, network.contract(), pose, options.top_k, options.max_distance, options.verify,
-                               memory_->ranking, selection.footholds[leg]);
+            const auto& previous = options.previous[leg];
+            const float ground = previous ? map.sample((*previous)[0], (*previous)[1]) : std::nanf("");
+            auto done = Choice(view, network.contract(), options, memory_->ranking, selection.footholds[leg]).make(pose, ground);
             if (!done) return done;
         }
         return {};

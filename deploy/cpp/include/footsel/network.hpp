@@ -126,6 +126,13 @@ private:
             session->session = Ort::Session(session->env, content.data(), content.size(), session_options());
         } catch (const Ort::Exception& exception) {
             const std::string_view text = exception.what();
+            for (const char* cause : {"Opset ", "IR version", "domain_version"}) {
+                if (text.find(cause) == text.npos) continue;
+                return Error::format(ErrorCode::model,
+                                     "%s is written for another onnxruntime than %s (%s); install another onnxruntime, or "
+                                     "export the model again",
+                                     source.c_str(), OrtGetApiBase()->GetVersionString(), cause);
+            }
             const auto first_line = static_cast<int>(std::min(text.find('\n'), text.size()));
             return Error::format(ErrorCode::model, "%s is damaged or no ONNX model (%.*s); copy or export it again",
                                  source.c_str(), first_line, text.data());

@@ -1,4 +1,4 @@
-/// A selection to be made, as the tests write it: 36 numbers of 64 bits, then the heights of the map, 32 bits each.
+/// A selection to be made, as the tests write it: 49 numbers of 64 bits, then the heights of the map, 32 bits each.
 #pragma once
 
 #include <cstdio>
@@ -28,7 +28,7 @@ inline footsel::Verify verify_of(int kind) {
 
 /// The next case of a stream; false at its end.
 inline bool read_case(std::FILE* file, Case& result) {
-    double numbers[36];
+    double numbers[49];
     if (std::fread(numbers, sizeof numbers, 1, file) != 1) return false;
     const double* next = numbers;
     const auto whole = [&] { return static_cast<std::size_t>(*next++); };
@@ -50,6 +50,11 @@ inline bool read_case(std::FILE* file, Case& result) {
         if (length == 3) result.options.nominal[leg]->z = next[2];
         next += 3;
     }
+    for (footsel::Leg leg : footsel::LEGS) {
+        if (*next++ != 0) result.options.previous[leg] = {next[0], next[1]};
+        next += 2;
+    }
+    result.options.hysteresis = *next++;
     result.options.top_k = whole();
     result.options.max_distance = *next++;
     result.options.verify = verify_of(static_cast<int>(whole()));

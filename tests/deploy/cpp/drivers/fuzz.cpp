@@ -49,6 +49,8 @@ public:
         options.top_k = one_in(10) ? below(40) : 1 + below(5);
         if (one_in(4)) options.max_distance = 0.3 * uniform();
         if (one_in(3)) options.nominal[LEGS[below(4)]] = Nominal{uniform(), uniform(), std::nullopt};
+        if (one_in(3)) options.previous[LEGS[below(4)]] = {uniform() - 0.5, uniform() - 0.5};
+        if (one_in(10)) options.hysteresis = odd_double();
         if (one_in(4)) options.verify = [this](auto...) { return one_in(20) ? throw 7 : one_in(2); };
         LegSet legs;
         if (one_in(2)) legs = LegSet::none(), legs.insert(LEGS[below(4)]);
@@ -125,7 +127,7 @@ private:
         require(selection.legs.contains(leg), "a foothold that nobody asked for");
         require(foothold.cell.i >= 0 && foothold.cell.i < 40 && foothold.cell.j >= 0 && foothold.cell.j < 40, "no cell");
         for (double value : {foothold.position[0], foothold.position[1], foothold.position[2], foothold.cost, foothold.final_cost,
-                             foothold.nominal[0], foothold.nominal[1], foothold.nominal[2], foothold.confidence}) {
+                             foothold.nominal[0], foothold.nominal[1], foothold.nominal[2], foothold.confidence, foothold.distance_to_nominal}) {
             require(std::isfinite(value), "a foothold with a number that is not finite");
         }
         require(foothold.distance_to_nominal <= options.max_distance, "a foothold too far away");

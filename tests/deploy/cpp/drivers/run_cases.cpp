@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
         footsel::JsonWriter json(stdout);
         json.open('{');
         footsel::write_footholds(json, *selection, "footholds");
-        json.close('}');
+        json.number(selection->far_from_terrain, "far_from_terrain").close('}');
         std::fputc('\n', stdout);
     }
     return 0;
