@@ -2,6 +2,8 @@
 
 import os
 import platform
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -34,14 +36,45 @@ class CoreUse:
 def one_core() -> Iterator[CoreUse]:
     """Hold the calling thread and all that it starts to one core, where the system can; measure the cores used."""
     use = CoreUse()
-    # Linux alone can.
-    allowed = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
-    if allowed:
-        os.sched_setaffinity(0, {max(allowed)})
-    wall, cpu = time.perf_counter(), time.process_time()
+    with cores(1):
+        wall, cpu = time.perf_counter(), time.process_time()
+        try:
+            yield use
+        finally:
+            use.cores = round((time.process_time() - cpu) / (time.perf_counter() - wall), 3)
+
+
+@contextmanager
+def cores(count: int) -> Iterator[int]:
+    """Hold the calling thread and all that it starts to `count` cores, or to those there are; yields how many."""
+    allowed = _allowed()
+    chosen = set(sorted(allowed)[-count:])
+    if chosen:
+        os.sched_setaffinity(0, chosen)
     try:
-        yield use
+        yield len(chosen) or min(count, os.cpu_count() or 1)
     finally:
-        use.cores = round((time.process_time() - cpu) / (time.perf_counter() - wall), 3)
         if allowed:
             os.sched_setaffinity(0, allowed)
+
+
+@contextmanager
+def other_core_busy(busy: bool = True) -> Iterator[bool]:
+    """Let a process spin on a core that this thread, held by `one_core`, does not use; yields whether it does."""
+    others = sorted(set(range(os.cpu_count() or 1)) - _allowed())
+    if not (busy and others and _allowed()):
+        yield False
+        return
+    code = f"import os; os.sched_setaffinity(0, {{{others[-1]}}}); print('spinning', flush=True)\nwhile True: pass"
+    spinning = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    try:
+        # It ends at once where it may not have that core.
+        yield bool(spinning.stdout and spinning.stdout.readline())
+    finally:
+        spinning.kill()
+        spinning.communicate()
+
+
+def _allowed() -> set[int]:
+    """Cores that this thread may run on; Linux alone can say."""
+    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()

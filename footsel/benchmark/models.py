@@ -1,6 +1,7 @@
 """The runtime's time per selection for every variant of a model, and other engines with the same network."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,7 +30,8 @@ Name = TypeVar("Name")
 def time_models(folder: Path, cases: Sequence[Case]) -> dict[str, Any]:
     """{variant: {"network_ms", "select_one_leg_ms", "select_four_legs_ms"}} of a model folder.
 
-    network: one local map through encoding, network and softmax. select: from the elevation map to footholds.
+    network: one local map through encoding and network, its decoding included. select: from the elevation map to
+    footholds.
     """
     calls: dict[tuple[str, str], Prepare] = {}
     for variant in available_variants(folder):
@@ -39,7 +41,7 @@ def time_models(folder: Path, cases: Sequence[Case]) -> dict[str, Any]:
         calls[variant, "select_four_legs_ms"] = _selection(selector, one_leg=False)
     models: dict[str, Any] = {}
     for (variant, figure), times in _take_turns(calls, cases, "models").items():
-        models.setdefault(variant, {})[figure] = percentiles(times, tail=figure != "network_ms")
+        models.setdefault(variant, {})[figure] = percentiles(times, tail=True)
     return models
 
 
@@ -51,16 +53,28 @@ def time_default_onnxruntime(folder: Path, cases: Sequence[Case]) -> dict[str, A
     return {"network_ms": percentiles(_take_turns({PAIR: _inference(network)}, cases, "plain onnxruntime")[PAIR])}
 
 
+def time_unsimplified(run: Path, folder: Path, cases: Sequence[Case]) -> dict[str, Any]:
+    """`network_ms` of the trained network as torch exports it, nothing folded or trimmed, with our options."""
+    with _needing_torch():
+        from footsel.exporting.decoding import with_decoding
+        from footsel.exporting.onnx_file import to_onnx, with_contract
+
+    trained, _ = _trained(run)
+    contract = Network.load(folder / network_file(PAIR)).contract
+    content = with_contract(with_decoding(to_onnx(trained, len(contract.encoding.planes))), contract)
+    network = Network.from_bytes(content, "the trained network")
+    return {"network_ms": percentiles(_take_turns({PAIR: _inference(network)}, cases, "unsimplified")[PAIR])}
+
+
 def time_torch(run: Path, cases: Sequence[Case]) -> dict[str, Any]:
-    """`network_ms` of the trained network of a `footsel train` run in torch, eager and on one thread."""
-    try:
+    """`network_ms` of the trained network in torch, eager and on one thread.
+
+    run: of `footsel train`, or a released model folder.
+    """
+    with _needing_torch():
         import torch
 
-        from footsel.learning.checkpoint import load_network
-    except ModuleNotFoundError as error:
-        raise MissingExtraError("measuring torch", "train", error.name or "torch") from None
-
-    trained, info = load_network(run / PAIR)
+    trained, info = _trained(run)
     encoding, layout = InputEncoding.from_dict(info["encoding"]), LegLayout.from_dict(info["layout"])
 
     def prepare(case: Case) -> Callable[[], object]:
@@ -81,12 +95,35 @@ def time_torch(run: Path, cases: Sequence[Case]) -> dict[str, Any]:
         torch.set_num_threads(threads)
 
 
+@contextmanager
+def _needing_torch() -> Iterator[None]:
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("measuring torch", "train", error.name or "torch") from None
+
+
+def _trained(run: Path) -> tuple[Any, dict[str, Any]]:
+    """The network of a run or of a release, ready for inference, and the header of its weights."""
+    with _needing_torch():
+        from footsel.learning.build import build_network
+        from footsel.learning.checkpoint import read_model
+        from footsel.learning.network import channels_last
+        from footsel.learning.recipe import Recipe
+        from footsel.learning.warm_start import find_weights
+
+    weights, info = read_model(find_weights(run, PAIR))
+    network = build_network(Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"]))
+    network.load_state_dict(weights)
+    return channels_last(network).eval(), info
+
+
 def _inference(network: Network) -> Prepare:
     layout = network.contract.layout
 
     def prepare(case: Case) -> Callable[[], object]:
         heights = layout.local_map(case.elevation_map, case.pose, TRAINED_LEG[PAIR]).heights[None]
-        return lambda: network.probabilities(heights, case.pose.roll, case.pose.pitch)
+        return lambda: network.costs(heights, case.pose.roll, case.pose.pitch)
 
     return prepare
 

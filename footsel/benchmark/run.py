@@ -7,11 +7,15 @@ from typing import Any
 
 import footsel
 from footsel.benchmark.cases import make_cases
-from footsel.benchmark.machine import cpu_name, one_core
-from footsel.benchmark.models import time_default_onnxruntime, time_models, time_torch
+from footsel.benchmark.histogram import latency_histogram
+from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
+from footsel.benchmark.models import PAIR, time_default_onnxruntime, time_models, time_torch, time_unsimplified
+from footsel.benchmark.multiply_adds import multiply_adds
+from footsel.benchmark.peak import matmul_gflops
+from footsel.benchmark.throughput import time_throughput
 from footsel.errors import MissingExtraError
 from footsel.runtime import FootholdSelector
-from footsel.runtime.model_folder import DEFAULT_VARIANT
+from footsel.runtime.model_folder import DEFAULT_VARIANT, network_file
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,7 @@ class BenchmarkSize:
     """How much is measured.
 
     calls: of each way to select. maps: labelled by the oracle. naive_maps: labelled by the brute-force loop.
+    histogram_calls: of each kind for the latency histogram; 0 for none.
     stage_maps, stage_cells: maps on which the oracle's stages are timed, and cells of each that the naive way does.
     margin_cells: cells in all whose kinematic margin the naive way searches.
     """
@@ -26,6 +31,7 @@ class BenchmarkSize:
     calls: int = 2000
     maps: int = 440
     naive_maps: int = 11
+    histogram_calls: int = 0
     stage_maps: int = 11
     stage_cells: int = 40
     margin_cells: int = 3
@@ -36,7 +42,7 @@ def run_benchmark(
 ) -> dict[str, Any]:
     """Measure on one core, one thread; other engines that cannot be held to it are measured after.
 
-    model: folder of a released model. run: of `footsel train`, to measure torch too.
+    model: folder of a released model. run: of `footsel train`, or a model folder, to measure torch too.
     The oracle is left out where its packages are not installed.
     Raises ModelError for a model or a run that cannot be used, MissingExtraError for a run where torch is missing.
     """
@@ -54,13 +60,24 @@ def run_benchmark(
     baselines = {}
     with one_core() as model_use:
         if run is not None:
-            baselines["torch_eager"] = time_torch(run, cases[: max(size.calls // 10, 1)])
+            few = cases[: max(size.calls // 10, 1)]
+            baselines["torch_eager"] = time_torch(run, few)
+            baselines["onnxruntime_unsimplified"] = time_unsimplified(run, model, few)
         models = time_models(model, cases[: size.calls])
+        speed = _speed(model, models)
+        with other_core_busy() as spinning:
+            busy = time_models(model, cases[: size.calls]) if spinning else {}
     with one_core() as oracle_use:
         figures.update(_oracle_figures(robot, size, seed))
     baselines["onnxruntime_default_options"] = time_default_onnxruntime(model, cases[: size.calls])
+    for variant, times in busy.items():
+        models[variant]["other_core_busy"] = times
+    figures["maps_per_second"] = time_throughput(model, PAIR, cases)
+    if size.histogram_calls:
+        figures["histogram"] = latency_histogram(FootholdSelector.load(model), cases, size.histogram_calls)
     return {
         **figures,
+        **speed,
         # Below one, other programs took part of the core, and the slow percentiles are theirs.
         "cores_used": {"oracle": oracle_use.cores, "models": model_use.cores},
         "default": DEFAULT_VARIANT,
@@ -84,3 +101,20 @@ def _oracle_figures(robot: str, size: BenchmarkSize, seed: int) -> dict[str, Any
         **time_naive_oracle(oracle, cases[: size.naive_maps]),
         **time_stages(oracle, cases[: size.stage_maps], size.stage_cells, size.margin_cells, seed),
     }
+
+
+def _speed(folder: Path, models: dict[str, Any]) -> dict[str, Any]:
+    """`matmul_gflops`, and into each model its multiply-adds, its own speed and the share that is of the product's.
+
+    Nothing where onnx is not installed.
+    """
+    try:
+        peak = matmul_gflops()
+        for variant, parts in models.items():
+            count = multiply_adds(folder / network_file(PAIR, variant))
+            gflops = 2 * count / parts["network_ms"]["p50"] / 1e6
+            parts |= {"multiply_adds": count, "gflops": round(gflops, 1), "share_of_matmul": round(gflops / peak, 3)}
+    except MissingExtraError as error:
+        print(f"footsel: the share of the peak is left out: {error}", file=sys.stderr)
+        return {}
+    return {"matmul_gflops": peak}

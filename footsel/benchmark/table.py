@@ -17,6 +17,9 @@ def as_table(figures: Mapping[str, Any]) -> str:
         row(f"{variant}{mark}: network", parts["network_ms"])
         row(f"{variant}: select one leg", parts["select_one_leg_ms"])
         row(f"{variant}: select four legs", parts["select_four_legs_ms"])
+        for words, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
+            if "other_core_busy" in parts:
+                row(f"  other core busy: {words}", parts["other_core_busy"][key])
     for name, parts in figures["baselines"].items():
         row(f"{name.replace('_', ' ')}: network", parts["network_ms"])
     if "oracle_ms_per_map" in figures:
@@ -29,4 +32,25 @@ def as_table(figures: Mapping[str, Any]) -> str:
         lines.append(f"{'oracle, by constraint':34}{'fast':>10}{'naive':>14}  us per cell")
         for stage, times in figures["oracle_us_per_cell"].items():
             lines.append(f"  {stage.replace('_', ' '):32}{times['fast']:>10.3f}{times['naive']:>14.1f}")
+    lines += _speed(figures)
     return "\n".join(lines)
+
+
+def _speed(figures: Mapping[str, Any]) -> list[str]:
+    """Operations and maps per second."""
+    lines = []
+    if "matmul_gflops" in figures:
+        lines += ["", f"{'matrix product, float32':34}{figures['matmul_gflops']:>10.1f}  GFLOP/s"]
+    for variant, parts in figures["models"].items():
+        if "gflops" in parts:
+            count = f"{parts['multiply_adds'] / 1e6:.1f} M multiply-adds a map"
+            lines.append(
+                f"{variant:34}{parts['gflops']:>10.1f}  GFLOP/s, {parts['share_of_matmul']:.0%} of it; {count}"
+            )
+    batches = list(next(iter(next(iter(figures["maps_per_second"].values())).values())))
+    lines += ["", f"{'maps per second, batch':34}" + "".join(f"{batch:>10}" for batch in batches)]
+    for variant, rows in figures["maps_per_second"].items():
+        for name, rates in rows.items():
+            numbers = "".join(f"{rate:>10.0f}" for rate in rates.values())
+            lines.append(f"{variant + ': ' + name.replace('_', ' '):34}{numbers}")
+    return lines

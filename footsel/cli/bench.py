@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 
 from footsel.cli.numbers import whole_number
-from footsel.cli.options import add_robot, add_seed, output_file
+from footsel.cli.options import add_robot, add_seed, needing, output_file
+from footsel.errors import InputError
 from footsel.files import replace_file
 
 HELP = "latency of the oracle and of every model variant on this machine"
@@ -15,7 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Arguments of `footsel bench`."""
     parser.add_argument("--out", type=output_file, metavar="B.json", help="the figures, times in ms")
     parser.add_argument("--model", metavar="PATH", help="model folder (default: the robot's released one)")
-    parser.add_argument("--run", type=Path, metavar="RUN", help="folder of `footsel train`: measure torch too")
+    parser.add_argument(
+        "--run", type=Path, metavar="RUN", help="of `footsel train`, or a released model: measure torch too"
+    )
     parser.add_argument(
         "--calls",
         type=whole_number(1),
@@ -26,20 +29,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--maps", type=whole_number(1), default=440, metavar="N", help="maps for the oracle (default: %(default)s)"
     )
+    parser.add_argument(
+        "--histogram",
+        type=whole_number(1),
+        metavar="N",
+        help="spread of N selections of each kind, with the other core idle and busy; 100000 take some ten minutes",
+    )
+    parser.add_argument("--plot", type=output_file, metavar="P.png", help="draw the histogram")
     add_robot(parser)
     add_seed(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print a table and write the figures."""
-    from footsel.benchmark import BenchmarkSize, as_table, run_benchmark
+    from footsel.benchmark import BenchmarkSize, as_table, draw_histogram, run_benchmark
     from footsel.runtime.model_folder import find_model_folder
 
+    if args.plot and not args.histogram:
+        raise InputError("--plot draws the histogram", "give --histogram N too")
+    if args.plot:
+        with needing("--plot", "report"):
+            import matplotlib  # noqa: F401
     model = find_model_folder(args.model or args.robot)
-    size = BenchmarkSize(calls=args.calls, maps=args.maps)
+    size = BenchmarkSize(calls=args.calls, maps=args.maps, histogram_calls=args.histogram or 0)
     figures = run_benchmark(args.robot, model, args.run, size, args.seed)
     if args.out:
         text = json.dumps(figures, indent=2, allow_nan=False) + "\n"
         replace_file(args.out, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    if args.plot:
+        draw_histogram(figures["histogram"], args.plot)
     print(as_table(figures))
     return 0

@@ -12,9 +12,10 @@ from footsel.footholds import Foothold
 from footsel.footholds.choice import CellCheck
 from footsel.footholds.cost import COST_BINS, INFEASIBLE_COST
 from footsel.footholds.foothold import Alternative
+from footsel.runtime.judgement import Judgement
 from footsel.runtime.leg_frames import LegFrames
 from footsel.runtime.many import ManyFootholds
-from footsel.runtime.picking import FinalCosts, Judgement
+from footsel.runtime.picking import FinalCosts
 from footsel.runtime.sampling import OFFSETS
 from footsel.terrain import CELLS
 
@@ -125,7 +126,7 @@ class Answers:
 
         z: today's height there, NaN = unknown, in [m].
         """
-        in_map = self.frames.in_map(np.array([x, y]))[leg].tolist()
+        in_map = self.frames.in_map(np.array((x, y)))[leg].tolist()
         i, j = (round(along / self.resolution - float(OFFSETS[0])) for along in in_map)
         distance = float(np.hypot(x - self.nominal[leg, 0], y - self.nominal[leg, 1]))
         too_far = self.max_distance is not None and distance > self.max_distance

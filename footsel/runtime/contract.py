@@ -132,4 +132,5 @@ class ModelContract:
 
 
 def _damaged(source: str, error: Exception) -> ModelError:
-    return ModelError(f"{source} has a damaged footsel contract ({error!r})", "export the model again")
+    why = str(error) if isinstance(error, InputError) else repr(error)
+    return ModelError(f"{source} has a damaged footsel contract ({why})", "export the model again")

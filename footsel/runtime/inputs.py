@@ -56,6 +56,8 @@ def checked_map(elevation_map: ElevationMap) -> ElevationMap:
         raise InputError(f"elevation map is a {type(elevation_map).__name__}", "give a footsel.ElevationMap")
     if not _CELL_SIDES[0] <= elevation_map.resolution <= _CELL_SIDES[1]:
         raise MapError(f"the map's cells are {elevation_map.resolution:g} m wide", "give its resolution in metres")
+    if not max(map(abs, elevation_map.position.tolist())) < _MOST:
+        raise MapError(f"the map's centre is at {elevation_map.position.tolist()}", "give its position in metres")
     return elevation_map
 
 

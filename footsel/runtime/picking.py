@@ -9,24 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footsel.footholds.choice import ranked_cells
+from footsel.runtime.judgement import Judgement
 from footsel.runtime.leg_frames import LegFrames
 from footsel.runtime.sampling import OFFSETS
 from footsel.terrain import CELLS
-
-
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """What networks say of the maps of m legs.
-
-    heights: (m, 40, 40) relative to L_i, NaN = unknown, in [m].
-    infeasible: (m, 40, 40) probability of the class "infeasible". cost: (m, 40, 40) mean cost over all classes.
-    feasible_below: (m,) a cell may be chosen if `infeasible` is below this.
-    """
-
-    heights: NDArray[np.float32]
-    infeasible: NDArray[np.float32]
-    cost: NDArray[np.float32]
-    feasible_below: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +22,8 @@ class FinalCosts:
     total: (m, 1600) `Z_c + k d_n`, inf for cells that may not be chosen. distances: (m, 1600) d_n, in [m].
     """
 
-    total: NDArray[np.float64]
-    distances: NDArray[np.float64]
+    total: NDArray[np.float32]
+    distances: NDArray[np.float32]
 
     def best(self) -> NDArray[np.intp]:
         """(m,) flat index of the cheapest cell of each leg."""
@@ -62,14 +48,15 @@ def weigh(
     max_distance: cells farther than this from N_i may not be chosen, in [m].
     """
     target = frames.in_map(frames.nominal[:, :2])
-    along_x, along_y = (np.square(OFFSETS * resolution - target[:, axis, None]) for axis in (0, 1))
-    distances = np.sqrt(along_x[:, :, None] + along_y[:, None, :])
-    total = distances * distance_weight
+    along = np.square(OFFSETS * resolution - target[:, :, None]).astype(np.float32)  # (m, 2, 40)
+    distances = np.sqrt(along[:, 0, :, None] + along[:, 1, None, :])
+    total = distances * np.float32(distance_weight)
     total += judgement.cost
     # Compared this way round, a NaN of a network forbids its cell.
     allowed = judgement.infeasible < judgement.feasible_below[:, None, None]
-    allowed &= ~np.isnan(judgement.heights)
+    allowed &= np.isfinite(judgement.heights)
     if max_distance is not None:
-        allowed &= distances <= max_distance
+        # Not rounded to float32, which may lie beyond the limit.
+        allowed &= distances.astype(np.float64) <= max_distance
     np.copyto(total, np.inf, where=~allowed)
     return FinalCosts(total.reshape(len(target), -1), distances.reshape(len(target), -1))

@@ -12,10 +12,13 @@ from footsel.terrain import CELLS, ElevationMap
 #: Cell centres of a local map along one axis, from its middle, in [cells].
 OFFSETS = np.arange(CELLS) - (CELLS - 1) / 2
 
-#: Turns a heading by a quarter, once its parts have changed places.
-_LEFTWARDS = np.array([-1.0, 1.0])
+#: (4, 1601) what the index of a point is made of, the cells of a local map and one point of its leg: steps along H's x,
+#: steps along its y, the index of M_i, the index of that point.
+_MAKE_UP = np.zeros((4, CELLS * CELLS + 1))
+_MAKE_UP[0, :-1], _MAKE_UP[1, :-1] = np.repeat(OFFSETS, CELLS), np.tile(OFFSETS, CELLS)
+_MAKE_UP[2, :-1] = _MAKE_UP[3, -1] = 1
 #: A local map is a rectangle: where its corners are on the map, all of it is. Its leg's point comes last.
-_EXTREMES = [0, CELLS - 1, CELLS * (CELLS - 1), CELLS * CELLS - 1, CELLS * CELLS]
+_EXTREMES = np.array([0, CELLS - 1, CELLS * (CELLS - 1), CELLS * CELLS - 1, CELLS * CELLS])
 
 
 def sample_legs(
@@ -36,42 +39,41 @@ def sample_legs(
     Heights in [m], NaN = unknown.
     """
     nx, ny = elevation_map.shape
-    places = np.stack([hips[:, :2], points]) - elevation_map.position  # (2, m, 2)
+    m = len(hips)
+    places = np.concatenate((hips[:, :2], points))
+    places -= elevation_map.position
     places /= elevation_map.resolution
     places += ((nx - 1) / 2, (ny - 1) / 2)
-    along_x = heading * (resolution / elevation_map.resolution)  # (m, 2) map cells per cell along H's x
-    along_y = along_x[:, ::-1] * (_LEFTWARDS * side[:, None])  # the same along H's y
+    step = heading * (resolution / elevation_map.resolution)  # (m, 2) map cells per cell along H's x
+    parts = np.empty((m, 2, 4))  # of u and v
+    parts[:, :, 0] = step
+    np.multiply(step[:, 1], -side, out=parts[:, 0, 1])
+    np.multiply(step[:, 0], side, out=parts[:, 1, 1])
+    parts[:, :, 2], parts[:, :, 3] = places[:m], places[m:]
 
-    index = np.empty((2, len(hips), CELLS * CELLS + 1))  # u and v of the cells of a local map, and of the leg's point
-    rows = along_x.T[:, :, None] * OFFSETS + places[0].T[:, :, None]
-    columns = along_y.T[:, :, None] * OFFSETS
-    np.add(rows[..., None], columns[:, :, None, :], out=index[..., :-1].reshape(2, -1, CELLS, CELLS))
-    index[..., -1] = places[1].T
-
-    heights = _sample(elevation_map, index)
-    local = np.empty((len(hips), CELLS, CELLS), dtype=np.float32)
-    np.subtract(heights[:, :-1].reshape(local.shape), hips[:, 2, None, None], out=local, casting="same_kind")
+    heights = _sample(elevation_map, parts @ _MAKE_UP)
+    local = heights[:, :-1].reshape(m, CELLS, CELLS) - hips[:, 2, None, None].astype(np.float32)
     return local, heights[:, -1]
 
 
 def _sample(elevation_map: ElevationMap, index: NDArray[np.float64]) -> NDArray[np.float32]:
-    """(m, 1601) heights at indices u and v (2, m, 1601) of the cells of rectangles and a point each."""
+    """(m, 1601) heights at indices u and v (m, 2, 1601) of the cells of rectangles and a point each."""
     nx, ny = elevation_map.shape
-    extremes = index[:, :, _EXTREMES].reshape(2, -1)
-    (low_u, low_v), (high_u, high_v) = extremes.min(axis=1).tolist(), extremes.max(axis=1).tolist()
+    extremes = index.take(_EXTREMES, axis=2)
+    (low_u, low_v), (high_u, high_v) = extremes.min(axis=(0, 2)).tolist(), extremes.max(axis=(0, 2)).tolist()
     inside = None
     if low_u < 0 or low_v < 0 or high_u >= nx - 1 or high_v >= ny - 1:
-        most = np.array([nx, ny])[:, None, None]
-        inside = ((index + 0.5 >= 0) & (index + 0.5 < most)).all(axis=0)
+        most = np.array([nx, ny])[:, None]
+        inside = ((index + 0.5 >= 0) & (index + 0.5 < most)).all(axis=1)
         index = np.clip(index, 0, most - 1)
-        first = np.minimum(index.astype(np.intp), most - 2)
+        first = np.minimum(np.floor(index), most - 2)
     else:
-        first = index.astype(np.intp)
-    share_u, share_v = (index - first).astype(np.float32)
+        first = np.floor(index)
+    share = (index - first).astype(np.float32)
+    share_u, share_v = share[:, 0], share[:, 1]
 
     flat = elevation_map.elevation.reshape(-1)
-    at = first[0] * ny
-    at += first[1]
+    at = (first[:, 0] * ny + first[:, 1]).astype(np.intp)
     low, low_next = flat.take(at), flat[1:].take(at)
     high, high_next = flat[ny:].take(at), flat[ny + 1 :].take(at)
     # Differences of absurd heights leave float32; as what is unknown, they are worked out once more below.
@@ -81,7 +83,8 @@ def _sample(elevation_map: ElevationMap, index: NDArray[np.float64]) -> NDArray[
     sound = np.isfinite(heights)
     if not sound.all():
         holes = ~sound
-        heights[holes] = _beside_unknown(flat, ny, index[:, holes], first[:, holes])
+        u, v = index.swapaxes(0, 1)[:, holes]
+        heights[holes] = _beside_unknown(flat, ny, at[holes], u - first[:, 0][holes], v - first[:, 1][holes])
     if inside is not None:
         heights[~inside] = np.nan
     return heights
@@ -96,19 +99,17 @@ def _blend(start: NDArray[np.float32], end: NDArray[np.float32], share: NDArray[
 
 
 def _beside_unknown(
-    flat: NDArray[np.float32], ny: int, index: NDArray[np.float64], first: NDArray[np.intp]
+    flat: NDArray[np.float32], ny: int, at: NDArray[np.intp], a: NDArray[np.float64], b: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """(p,) heights at points with an unknown neighbour: the known ones share its weight; NaN if the nearest is unknown.
 
-    flat: the map's cells, rows of `ny` in one row. index: (2, p) u and v of the points. first: (2, p) indices of the
-    first of the four cells around each.
+    flat: the map's cells, rows of `ny` in one row. at: (p,) the first of the four cells around each point.
+    a, b: (p,) how far beyond that cell a point lies along x and y, in [cells].
     """
-    (u, v), (i, j) = index, first
-    a, b = u - i, v - j
-    heights = flat[i * ny + j + np.array([0, 1, ny, ny + 1])[:, None]]
+    heights = flat[at + np.array([0, 1, ny, ny + 1])[:, None]]
     weights = np.stack([(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b])
     unknown = np.isnan(heights)
-    nearest = 2 * (np.floor(u + 0.5) > i) + (np.floor(v + 0.5) > j)
+    nearest = 2 * (a >= 0.5) + (b >= 0.5)
     known = ~unknown[nearest, np.arange(len(nearest))]
     weights[unknown] = 0
     heights[unknown] = 0

@@ -12,16 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from footsel.footholds import BasePose, Foothold, LegLayout
 from footsel.footholds.choice import CellCheck
 from footsel.footholds.cost import COST_BINS
-from footsel.legs import LEGS, PAIRS, check_leg, check_legs, is_right, pair_of
+from footsel.legs import LEGS, check_leg, check_legs, is_right, pair_of
 from footsel.runtime import inputs
 from footsel.runtime.answers import Answers
 from footsel.runtime.contract import LOGITS_OUTPUT
 from footsel.runtime.evaluation import CellEvaluation, assemble
+from footsel.runtime.judgement import judge
 from footsel.runtime.leg_frames import Body, LegFrames
 from footsel.runtime.many import ManyFootholds
 from footsel.runtime.model_folder import DEFAULT_VARIANT, find_model_folder, load_networks
 from footsel.runtime.network import BATCH, COSTS, Network
-from footsel.runtime.picking import Judgement, weigh
+from footsel.runtime.picking import weigh
 from footsel.runtime.plausibility import UnitWarning
 from footsel.runtime.sampling import sample_legs
 from footsel.terrain import CELLS, ElevationMap
@@ -136,14 +137,15 @@ class FootholdSelector:
         frames = self._body.place(np.array([numbers]), sorted(legs, key=pair_of), points)
         answers, network_ms = self._answers(elevation_map, frames, max_distance)
         index = {leg: number for number, leg in enumerate(frames.legs)}
+        kept = {}
+        if stood := [leg for leg in legs if leg in before]:
+            places = np.array([before[leg][:2] for leg in stood])
+            for leg, (x, y), z in zip(stood, places.tolist(), elevation_map.sample(places).tolist(), strict=True):
+                kept[leg] = answers.previous(index[leg], x, y, z)
         footholds = {}
         for leg in legs:
-            kept = None
-            if leg in before:
-                x, y = before[leg][:2].tolist()
-                kept = answers.previous(index[leg], x, y, float(elevation_map.sample((x, y))))
             check = None if verify is None else _bind(verify, leg, tuple(numbers))
-            footholds[leg] = answers.foothold(index[leg], top_k, check, kept, hysteresis)
+            footholds[leg] = answers.foothold(index[leg], top_k, check, kept.get(leg), hysteresis)
         return footholds, Timing((time.perf_counter() - start) * 1e3, network_ms)
 
     def select_many(
@@ -217,27 +219,11 @@ class FootholdSelector:
         )
         self._units.check(heights)
         start = time.perf_counter()
-        judgement = self._judge(heights, frames)
+        judgement = judge(self._networks, heights, frames)
         network_ms = (time.perf_counter() - start) * 1e3
         final_costs = weigh(judgement, frames, layout.resolution, weight, max_distance)
         nominal = frames.nominal_on(terrain)
         return Answers(judgement, frames, final_costs, nominal, layout.resolution, weight, max_distance), network_ms
-
-    def _judge(self, heights: NDArray[np.float32], frames: LegFrames) -> Judgement:
-        """Each network's view of its pair's legs, all of them in one batch."""
-        roll, pitch = frames.poses[:, 3] * frames.side, frames.poses[:, 4]
-        parts, thresholds = [], []
-        start = 0
-        for pair in PAIRS:
-            count = sum(pair_of(leg) == pair for leg in frames.legs)
-            if count:
-                part = slice(start, start + count)
-                network = self._networks[pair]
-                parts.append(network.costs(heights[part], roll[part], pitch[part]))
-                thresholds += [network.contract.feasible_below] * count
-                start += count
-        infeasible, cost = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-        return Judgement(heights, infeasible, cost, np.array(thresholds, dtype=np.float32))
 
 
 def _mirrored(plane: NDArray[Any], leg: str) -> NDArray[Any]:

@@ -3,16 +3,22 @@
 import functools
 import json
 import os
+import subprocess
 
 import numpy as np
+import onnx
 import pytest
+import torch
 
 from footsel.benchmark import BenchmarkSize
 from footsel.benchmark.cases import MOST_TILT, make_cases
-from footsel.benchmark.machine import cpu_name, one_core
+from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
+from footsel.benchmark.multiply_adds import multiply_adds
 from footsel.benchmark.timing import percentiles
 from footsel.cli.main import main
+from footsel.exporting.onnx_file import to_onnx
 from footsel.legs import LEGS
+from footsel.runtime.model_folder import find_model_folder
 from footsel.terrain.courses import FAMILIES
 
 
@@ -30,7 +36,8 @@ def figures(tmp_path_factory, anymal_layout, handmade):
         patch.setattr("footsel.benchmark.BenchmarkSize", little)
         out = folder / "bench.json"
         arguments = ["bench", "--model", str(model), "--out", str(out), "--calls", "30", "--maps", "30"]
-        assert main(arguments) == 0
+        assert main([*arguments, "--histogram", "40", "--plot", str(folder / "histogram.png")]) == 0
+    assert (folder / "histogram.png").read_bytes().startswith(b"\x89PNG")
     return json.loads(out.read_text())
 
 
@@ -41,12 +48,93 @@ def test_fields(figures):
     assert figures["oracle_times_as_fast"] > 10
     assert set(figures["models"]) == {"float32", "int8"} and figures["default"] in figures["models"]
     for parts in figures["models"].values():
-        assert set(parts["network_ms"]) == {"p50", "p99"}
-        for select in ("select_one_leg_ms", "select_four_legs_ms"):
-            assert 0 < parts[select]["p50"] <= parts[select]["p99"] <= parts[select]["p999"]
+        for each in (parts, parts["other_core_busy"]):
+            for select in ("network_ms", "select_one_leg_ms", "select_four_legs_ms"):
+                assert 0 < each[select]["p50"] <= each[select]["p99"] <= each[select]["p999"]
     assert set(figures["baselines"]) == {"onnxruntime_default_options"}
     # A share of one core: nothing ran on a second one. A little more than one is the clocks' rounding.
     assert 0 < figures["cores_used"]["models"] < 1.2 and 0 < figures["cores_used"]["oracle"] < 1.2
+
+
+def test_maps_per_second(figures):
+    assert set(figures["maps_per_second"]) == {"float32", "int8"}
+    for rows in figures["maps_per_second"].values():
+        assert set(rows) == {"one_core", "two_cores", "one_core_one_call"}
+        for rates in rows.values():
+            assert set(rates) == {"1", "4", "64", "256"} and min(rates.values()) > 0
+
+
+def test_histogram(figures):
+    histogram = figures["histogram"]
+    edges = histogram["edges_ms"]
+    assert edges == sorted(edges) and (edges[0], edges[-1]) == (0.1, 1000)
+    for kind in ("one_leg", "four_legs"):
+        assert set(histogram[kind]) == {"other_core_idle", "other_core_busy"}
+        for times in histogram[kind].values():
+            assert sum(times["counts"]) == histogram["calls"] == 40
+            assert len(times["counts"]) == len(edges) - 1
+            assert times["p50"] <= times["p999"] <= times["max"]
+            # The median lies in the bin where half of the counts are reached.
+            middle = np.searchsorted(np.cumsum(times["counts"]), 20)
+            assert edges[middle] * 0.9 < times["p50"] < edges[middle + 1] * 1.1 or times["p50"] < 0.1
+
+
+def test_share_of_the_matrix_product(figures):
+    assert figures["matmul_gflops"] > 0
+    for parts in figures["models"].values():
+        assert parts["multiply_adds"] == multiply_adds_of_the_constant_model()
+        expected = 2 * parts["multiply_adds"] / parts["network_ms"]["p50"] / 1e6
+        assert parts["gflops"] == pytest.approx(expected, abs=0.06)
+        assert parts["share_of_matmul"] == pytest.approx(expected / figures["matmul_gflops"], abs=2e-3)
+
+
+def multiply_adds_of_the_constant_model() -> int:
+    """A 1x1 convolution of four planes to fourteen, four sums of fourteen, two means by products with 40x40."""
+    return 1600 * (14 * 4 + 4 * 14 + 2 * 40)
+
+
+def test_multiply_adds_of_each_kind_of_layer(tmp_path):
+    """Strides, groups, dilations and the ways up, against torch's own shapes."""
+    network = torch.nn.Sequential(
+        torch.nn.Conv2d(4, 8, (3, 1), stride=2, padding=(2, 0), dilation=(2, 1)),  # 8 x 20 x 20 of 4 x 3
+        torch.nn.Conv2d(8, 8, 3, padding=1, groups=4),  # 8 x 20 x 20 of 2 x 9
+        torch.nn.ConvTranspose2d(8, 6, 2, stride=2),  # 8 x 20 x 20 into 6 x 4
+        torch.nn.Linear(40, 7),  # 6 x 40 x 7 of 40
+    )
+    model = to_onnx(network.eval(), 4)
+    onnx.save(model, tmp_path / "model.onnx")
+    expected = 8 * 400 * 12 + 8 * 400 * 18 + 8 * 400 * 24 + 6 * 40 * 7 * 40
+    assert multiply_adds(tmp_path / "model.onnx") == expected
+
+
+def test_multiply_adds_of_eight_bits_are_those_of_floats():
+    """A released network: its quantised layers do the same work."""
+    folder = find_model_folder("anymal_b")
+    float32 = multiply_adds(folder / "front.onnx")
+    assert 5e6 < float32 < 1e9
+    if (folder / "front.int8.onnx").is_file():
+        assert multiply_adds(folder / "front.int8.onnx") == float32
+
+
+def test_another_core_spins_meanwhile_and_not_after(monkeypatch):
+    started = []
+    start = subprocess.Popen
+    monkeypatch.setattr(
+        subprocess, "Popen", lambda *args, **kwargs: started.append(start(*args, **kwargs)) or started[-1]
+    )
+    with one_core():
+        with other_core_busy() as spins:
+            (process,) = started
+            assert spins and process.poll() is None
+            assert not os.sched_getaffinity(process.pid) & os.sched_getaffinity(0)
+        assert process.poll() is not None
+        with other_core_busy(False) as spins:
+            assert not spins and len(started) == 1
+
+
+def test_a_plot_without_a_histogram_is_refused(capsys, tmp_path):
+    assert main(["bench", "--plot", str(tmp_path / "p.png")]) == 2
+    assert "--plot draws the histogram; give --histogram N too" in capsys.readouterr().err
 
 
 def test_groups_and_stages_of_the_oracle(figures):

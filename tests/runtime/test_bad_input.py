@@ -124,6 +124,12 @@ def test_cells_of_no_size_a_leg_can_use(selector, resolution):
         selector.select(ElevationMap(np.zeros((50, 50)), resolution), (0, 0, 0.5, 0, 0, 0))
 
 
+def test_a_map_beyond_the_world(selector):
+    """Arithmetic with its position would overflow."""
+    with pytest.raises(MapError, match=r"the map's centre is at .*; give its position in metres"):
+        selector.select(ElevationMap(np.zeros((50, 50)), 0.02, (0, 1e306)), (0, 0, 0.5, 0, 0, 0))
+
+
 def test_millimetres_and_centimetres_are_noticed_once(model_folder):
     for factor in (1000, 100):
         selector = FootholdSelector.load(model_folder)

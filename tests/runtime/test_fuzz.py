@@ -93,9 +93,8 @@ def check_select(selector, request):
             assert np.isfinite([*foothold.position, foothold.cost, foothold.final_cost]).all()
             assert 0 <= foothold.cost <= 255.001 and 0 <= foothold.class_ <= 12 and 0.5 < foothold.confidence <= 1
             assert all(0 <= index < 40 for index in foothold.cell)
-            assert (
-                foothold.distance_to_nominal <= options.get("max_distance", np.inf) or options["max_distance"] is None
-            )
+            limit = options.get("max_distance")
+            assert limit is None or foothold.distance_to_nominal <= limit
 
 
 def check_evaluate(selector, local, leg, roll, pitch):

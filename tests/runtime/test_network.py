@@ -25,6 +25,9 @@ def test_the_contract_survives_the_file(handmade, anymal_layout):
         {"feasible_below": float("nan")},
         {"distance_weight": -1.0},
         {"pair": "middle"},
+        {"leg": "RF"},
+        {"leg": "LH"},
+        {"frame": "the world"},
     ],
 )
 def test_a_contract_out_of_range_is_refused(handmade, anymal_layout, change):
@@ -74,6 +77,12 @@ def _with_metadata(handmade, layout, change):
         (lambda values: values["encoding"].update(planes=["colour"]), "damaged footsel contract"),
         (lambda values: values.update(pair="middle"), "damaged footsel contract"),
         (lambda values: values.update(feasible_below=7), "damaged footsel contract"),
+        (lambda values: values.update(schema=1), "schema 1, this footsel reads 2; export the model again"),
+        (lambda values: values.update(leg="RF"), "the trained leg is 'RF'"),
+        (lambda values: values.pop("frame"), "damaged footsel contract"),
+        (lambda values: values.update(frame="world"), "the frame is 'world'"),
+        (lambda values: values.update(opset="new"), "damaged footsel contract"),
+        (lambda values: values.pop("commit"), "damaged footsel contract"),
         (lambda values: values["encoding"].update(planes=["height"]), "its contract says"),
     ],
 )
