@@ -4,10 +4,12 @@
 // goes from local heights to a cost per cell. The figures have the names that `footsel bench` gives them.
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
@@ -20,7 +22,7 @@ namespace {
 
 using namespace footsel;
 
-constexpr int WARM_UP = 20;
+constexpr int WARM_UP = 20;  // calls: onnxruntime lays out its memory, caches fill
 constexpr std::size_t BATCHES[]{1, 4, 64, 256};
 
 int fail(const Error& error) {
@@ -49,7 +51,7 @@ template <class Call>
 std::vector<double> time_calls(std::size_t calls, Call&& call) {
     std::vector<double> times;
     times.reserve(calls);
-    for (int n = 0; n < WARM_UP; ++n) call(static_cast<std::size_t>(n) % calls);
+    for (std::size_t n = 0; n < std::min<std::size_t>(calls, WARM_UP); ++n) call(n);
     for (std::size_t n = 0; n < calls; ++n) {
         const auto start = std::chrono::steady_clock::now();
         call(n);
@@ -106,15 +108,16 @@ int main(int argc, char** argv) {
         network_ms = selector->select(map->view(), poses[n], {LEGS[n % 4]})->network_ms;
         network.push_back(network_ms);
     }));
-    network.erase(network.begin(), network.begin() + WARM_UP);
+    network.erase(network.begin(), network.end() - static_cast<std::ptrdiff_t>(calls));
     std::sort(network.begin(), network.end());
     write_percentiles(json, "network_ms", network);
     write_percentiles(json, "select_four_legs_ms",
                       time_calls(calls, [&](std::size_t n) { (void)selector->select(map->view(), poses[n]); }));
 
-    // Whole batches of one leg's local maps, and what that is per second.
-    json.open('{', "evaluate");
-    for (std::size_t maps : BATCHES) {
+    // Batches of one leg's local maps, from heights to a cost per cell.
+    std::array<std::vector<double>, std::size(BATCHES)> times;
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        const std::size_t maps = BATCHES[k];
         std::vector<float> heights(maps * MAP_CELLS), cost(heights.size());
         std::vector<Tilt> tilts(maps);
         LocalHeights local;
@@ -126,13 +129,15 @@ int main(int argc, char** argv) {
             tilts[n] = {pose.roll, pose.pitch};
         }
         const CellEvaluation result{cost.data(), nullptr, nullptr};
-        const std::size_t rounds = std::max<std::size_t>(calls / maps, 3);
-        const auto times = time_calls(rounds, [&](std::size_t) {
+        times[k] = time_calls(std::max<std::size_t>(calls / maps, 3), [&](std::size_t) {
             (void)selector->evaluate(heights.data(), maps, Leg::LF, tilts.data(), result);
         });
-        const double p50 = percentile(times, 0.5);
-        json.open('{', std::to_string(maps).c_str()).number(p50, "p50").number(percentile(times, 0.99), "p99");
-        json.number(static_cast<double>(maps) * 1e3 / p50, "maps_per_second").close('}');
+    }
+    json.open('{', "evaluate_ms");
+    for (std::size_t k = 0; k < times.size(); ++k) write_percentiles(json, std::to_string(BATCHES[k]).c_str(), times[k]);
+    json.close('}').open('{', "maps_per_second");
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        json.number(static_cast<double>(BATCHES[k]) * 1e3 / percentile(times[k], 0.5), std::to_string(BATCHES[k]).c_str());
     }
     json.close('}').close('}');
     std::fputc('\n', stdout);

@@ -38,6 +38,10 @@ def test_base_off_the_map_says_what_python_says(ask, model_folder, x):
     assert ask((x, *POSE[1:]))["error"] == str(python.value)
 
 
+def test_map_in_another_galaxy(ask):
+    assert "give its position in metres" in ask((1e12, *POSE[1:]), position=(1e12, 0.0))["error"]
+
+
 def test_null_map(ask):
     assert ask(null=True)["error"] == "the elevation map is null; give its heights"
 

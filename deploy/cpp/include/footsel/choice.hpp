@@ -115,6 +115,7 @@ private:
     void rank() noexcept {
         // The probability is 32 bits wide, and so is the threshold that it is compared with.
         const float feasible_below = static_cast<float>(contract_.feasible_below);
+        const float distance_weight = static_cast<float>(contract_.distance_weight);
         const auto nominal = view_.frame.from_world(foothold_.nominal[0], foothold_.nominal[1]);
         ranking_.clear();
         for (std::size_t seen = 0; seen < MAP_CELLS; ++seen) {
@@ -124,10 +125,11 @@ private:
             any_feasible_ = true;
             const Cell cell = Cell::of(flat);
             const double dx = view_.frame.offset(cell.i) - nominal[0], dy = view_.frame.offset(cell.j) - nominal[1];
-            const double distance = std::sqrt(dx * dx + dy * dy);
-            const double final_cost = static_cast<double>(view_.cost[seen]) + contract_.distance_weight * distance;
-            if (distance > options_.max_distance || !std::isfinite(final_cost)) continue;
-            ranking_.add({final_cost, distance, static_cast<std::uint16_t>(seen)});
+            // In 32 bits, as in Python: what is equal there is equal here.
+            const float distance = std::sqrt(static_cast<float>(dx * dx) + static_cast<float>(dy * dy));
+            const float final_cost = distance * distance_weight + view_.cost[seen];
+            if (static_cast<double>(distance) > options_.max_distance || !std::isfinite(final_cost)) continue;
+            ranking_.add({static_cast<double>(final_cost), static_cast<double>(distance), static_cast<std::uint16_t>(seen)});
         }
         ranking_.start();
     }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "footsel/base_pose.hpp"
 #include "footsel/result.hpp"
 
 namespace footsel {
@@ -61,6 +62,10 @@ struct ElevationMap {
         if (!std::isfinite(position[0]) || !std::isfinite(position[1])) {
             return Error::format(ErrorCode::map, "position is (%g, %g); expected two finite numbers, world xy in metres",
                                  position[0], position[1]);
+        }
+        if (!is_plausible(position[0]) || !is_plausible(position[1])) {
+            return Error::format(ErrorCode::map, "the map's centre is at (%g, %g); give its position in metres", position[0],
+                                 position[1]);
         }
         return {};
     }

@@ -76,6 +76,7 @@ inline Result<LocalMapSummary> extract_local_map(const ElevationMap& map, const 
     // Cells of the map that a step of one cell along H's x goes, along the map's x and y.
     const double ratio = frame.resolution / map.resolution;
     const double along_x = frame.heading.cosine * ratio, along_y = frame.heading.sine * ratio;
+    const float hip_height = static_cast<float>(frame.hip[2]);
     LocalMapSummary summary;
     for (int i = 0; i < static_cast<int>(CELLS); ++i) {
         const double row_u = along_x * offset_in_cells(i) + middle[0], row_v = along_y * offset_in_cells(i) + middle[1];
@@ -84,7 +85,7 @@ inline Result<LocalMapSummary> extract_local_map(const ElevationMap& map, const 
             if (std::isinf(ground)) {
                 return Error::format(ErrorCode::map, "elevation holds infinite heights; mark unknown cells with NaN");
             }
-            const float height = static_cast<float>(static_cast<double>(ground) - frame.hip[2]);
+            const float height = ground - hip_height;
             heights[Cell{i, j}.flat()] = height;
             if (std::isnan(height)) continue;
             ++summary.known;
