@@ -1,5 +1,7 @@
 """The vectorised selection against a plain one: leg by leg, footholds.prepare, evaluate and footholds.choose."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 
 from footsel import ElevationMap
 from footsel.footholds import BasePose, CellScores, LegLayout, choose
+from footsel.footholds.cost import cost_to_class
 from footsel.footholds.request import prepare
 from footsel.legs import LEGS
 from footsel.runtime import FootholdSelector
@@ -34,19 +37,34 @@ def reference(selector, elevation_map, pose, legs=LEGS, nominal=None, top_k=1):
     return found
 
 
+#: Networks answer batches of other sizes with other last bits; candidates nearer than this are tied. [cost]
+TIE = 2e-3
+
+
+def candidates(foothold):
+    """(k, 3) positions and (k,) final costs, best first."""
+    places = [foothold.position, *(a.position for a in foothold.alternatives)]
+    return np.array(places), np.array([foothold.final_cost, *(a.final_cost for a in foothold.alternatives)])
+
+
 def check_same(found, expected):
+    """Both with the same `top_k` of 2 or more; the last place is not compared, it may be tied with one not named."""
     for leg, other in expected.items():
         one = found[leg]
-        assert (one.status, one.reason, one.cell, one.class_) == (other.status, other.reason, other.cell, other.class_)
+        assert (one.status, one.reason) == (other.status, other.reason)
         np.testing.assert_allclose(one.nominal, other.nominal, atol=1e-5)
-        if one.status == "ok":
-            np.testing.assert_allclose(one.position, other.position, atol=1e-5)
-            for name in ("cost", "final_cost", "distance_to_nominal", "confidence"):
-                assert getattr(one, name) == pytest.approx(getattr(other, name), abs=2e-3), name
-        assert len(one.alternatives) == len(other.alternatives)
-        for ours, theirs in zip(one.alternatives, other.alternatives, strict=True):
-            np.testing.assert_allclose(ours.position, theirs.position, atol=1e-5)
-            assert ours.final_cost == pytest.approx(theirs.final_cost, abs=2e-3)
+        if one.status == "none":
+            continue
+        (places, costs), (other_places, other_costs) = candidates(one), candidates(other)
+        np.testing.assert_allclose(costs, other_costs, atol=TIE)
+        gaps = np.diff(costs, prepend=-np.inf, append=np.inf)
+        decided = np.minimum(gaps[:-1], gaps[1:]) > TIE
+        decided[-1] &= len(costs) == 1
+        np.testing.assert_allclose(places[decided], other_places[decided], atol=1e-5)
+        if decided[0]:
+            assert one.cell == other.cell
+            for name in ("cost", "distance_to_nominal", "confidence"):
+                assert getattr(one, name) == pytest.approx(getattr(other, name), abs=TIE), name
 
 
 shapes = st.tuples(st.integers(2, 130), st.integers(2, 130))
@@ -70,11 +88,14 @@ def situations(draw):
 
 
 @settings(deadline=None, max_examples=150)
-@given(situation=situations(), top_k=st.sampled_from([1, 4]), legs=st.sets(st.sampled_from(LEGS)))
+@given(situation=situations(), top_k=st.sampled_from([2, 5]), legs=st.sets(st.sampled_from(LEGS)))
 def test_select_is_the_plain_selection(selector, situation, top_k, legs):
     elevation_map, pose = situation
     found = selector.select(elevation_map, pose, legs, top_k=top_k)
     check_same(found, reference(selector, elevation_map, pose, legs, top_k=top_k))
+    for leg, foothold in selector.select(elevation_map, pose, legs).items():
+        assert foothold == replace(found[leg], alternatives=())
+        assert foothold.status == "none" or foothold.class_ == cost_to_class(foothold.cost)
 
 
 @settings(deadline=None, max_examples=150)
@@ -151,18 +172,22 @@ def test_many_poses_are_answered_as_one_by_one(selector, situation, count, data)
     many = selector.select_many(elevation_map, poses, legs, nominal)
     assert many.legs == legs and len(many) == count
     for number, pose in enumerate(poses):
-        single = selector.select(elevation_map, pose, legs, {legs[0]: nominal[legs[0]][number]})
+        options = {legs[0]: nominal[legs[0]][number]}
+        single = selector.select(elevation_map, pose, legs, options)
         for column, (leg, foothold) in enumerate(single.items()):
             assert leg == legs[column]
             at = number, column
             assert many.found[at] == (foothold.status == "ok")
             np.testing.assert_allclose(many.nominal[at], foothold.nominal, atol=1e-6)
             if many.found[at]:
+                second = selector.select(elevation_map, pose, legs, options, top_k=2)[leg].alternatives
+                assert many.final_costs[at] == pytest.approx(foothold.final_cost, abs=TIE)
+                if second and second[0].final_cost - foothold.final_cost < TIE:
+                    continue
                 assert tuple(many.cells[at]) == foothold.cell
                 np.testing.assert_allclose(many.positions[at], foothold.position, atol=1e-6)
                 assert many.costs[at] == pytest.approx(foothold.cost, abs=2e-3)
-                assert many.final_costs[at] == pytest.approx(foothold.final_cost, abs=2e-3)
-                assert many.distances[at] == pytest.approx(foothold.distance_to_nominal)
+                assert many.distances[at] == pytest.approx(foothold.distance_to_nominal, abs=1e-6)
                 assert many.confidences[at] == pytest.approx(foothold.confidence, abs=1e-5)
             else:
                 assert np.isnan(many.positions[at]).all() and (many.cells[at] == -1).all()
