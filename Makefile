@@ -6,7 +6,10 @@ BIN := $(VENV)/bin
 MAPS := $(wildcard ../shared/maps/*.npz)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test test-slow verify verify-pybullet verify-meshes lint types contracts check bench clean help
+# A release tarball of onnxruntime, unpacked; without one, a folder like it is made from packages.
+ONNXRUNTIME_ROOT ?= build/onnxruntime
+
+.PHONY: cpp demo test test-slow verify verify-pybullet verify-meshes lint types contracts check bench clean help
 
 help:
 	@echo "make demo       compare the oracle, the network and baselines on built-in courses; writes demo/report.html"
@@ -16,6 +19,7 @@ help:
 	@echo "make verify-pybullet, make verify-meshes   its collisions against PyBullet's contacts, against full meshes"
 	@echo "make check      lint, types, import contracts"
 	@echo "make bench      latency of every stage on this machine"
+	@echo "make cpp        the C++ library's programs, in build/cpp (ONNXRUNTIME_ROOT=... for an onnxruntime of your own)"
 
 # A stamp per set of packages: a venv is filled again only if what it should hold has changed.
 $(BIN)/python:
@@ -64,5 +68,15 @@ check: lint types contracts
 bench: $(VENV)/demo.stamp
 	$(BIN)/footsel bench --out bench.json
 
+# Asked every time: it sees itself whether it is complete.
+.PHONY: build/onnxruntime
+build/onnxruntime: $(VENV)/demo.stamp
+	$(BIN)/python deploy/cpp/fetch_onnxruntime.py $@
+
+cpp: $(ONNXRUNTIME_ROOT)
+	cmake -S deploy/cpp -B build/cpp -DONNXRUNTIME_ROOT=$(abspath $(ONNXRUNTIME_ROOT))
+	cmake --build build/cpp
+	cmake --install build/cpp --prefix build/cpp/installed
+
 clean:
-	rm -rf $(VENV) demo bench.json verify.json verify.json.parts verify-pybullet.json verify-meshes.json
+	rm -rf $(VENV) build demo bench.json verify.json verify.json.parts verify-pybullet.json verify-meshes.json
