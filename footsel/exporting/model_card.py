@@ -153,7 +153,8 @@ def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
     lines = [
         f"- One robot: {front['robot']}, cells of {layout['resolution'] * 100:g} cm, terrain down to "
         f"{layout['height_range']:g} m below the hip point. Deeper ground looks like ground at that depth.",
-        "- Trained on generated terrain and an exact map. Sensor noise and drift were not part of the labels.",
+        f"- Trained on generated terrain, {front['recipe'].get('noise', 0):.0%} of the maps as a depth camera sees them,",
+        "  with noise, drift and holes. Labels are those of the true ground.",
         "- A network errs: see the picks that the oracle rejects. Where a wrong step is costly, let an exact check",
         "  confirm the pick (`select(..., verify=...)`).",
         "- It judges where a foot stands, not how it gets there: the swing is for the planner to check.",

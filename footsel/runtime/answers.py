@@ -140,7 +140,8 @@ class Answers:
 
     def _ranked(self, leg: int, most: int, previous: Candidate | None, hysteresis: float) -> Iterator[Candidate]:
         waiting = previous
-        for cell in self.final_costs.ranked(leg, most):
+        # The cell of the previous foothold, which stands for it, may be among the cheapest.
+        for cell in self.final_costs.ranked(leg, most + (previous is not None)):
             total = float(self.final_costs.total[leg, cell])
             if waiting is not None and not total < waiting.final_cost - hysteresis:
                 yield waiting

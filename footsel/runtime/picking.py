@@ -26,14 +26,19 @@ class FinalCosts:
     distances: NDArray[np.float32]
 
     def best(self) -> NDArray[np.intp]:
-        """(m,) flat index of the cheapest cell of each leg."""
-        return np.asarray(self.total.argmin(axis=1))
+        """(m,) flat index of the cheapest cell of each leg; equal costs go to the cell nearer to N_i."""
+        best = self.total.argmin(axis=1)
+        equal = self.total == np.take_along_axis(self.total, best[:, None], axis=1)
+        # Rare but on level ground, where costs repeat from row to row.
+        if np.count_nonzero(equal) > len(best):
+            best = np.where(equal, self.distances, np.inf).argmin(axis=1)
+        return np.asarray(best)
 
     def ranked(self, leg: int, most: int) -> list[int]:
         """Flat indices of one leg's cells that may be chosen, cheapest first, at most `most`."""
         total = self.total[leg]
         if most == 1:
-            best = int(total.argmin())
+            best = int(FinalCosts(total[None], self.distances[leg : leg + 1]).best()[0])
             return [best] if np.isfinite(total[best]) else []
         cells = ranked_cells(total.reshape(CELLS, CELLS), self.distances[leg], most)
         return [i * CELLS + j for i, j in cells.tolist()]

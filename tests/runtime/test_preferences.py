@@ -51,6 +51,15 @@ def test_the_previous_foothold_is_kept_until_another_is_better_by_more(selector,
         assert kept.final_cost == pytest.approx(kept.cost + 160 * kept.distance_to_nominal, abs=1e-6)
 
 
+def test_the_previous_foothold_takes_no_one_s_place_among_the_alternatives(selector):
+    """It is one of the cheapest cells itself; the others are all named all the same."""
+    elevation_map = rough_map()
+    ranked = candidates(selector, elevation_map, "LF")
+    found = selector.select(elevation_map, POSE, ["LF"], top_k=3, previous={"LF": ranked[1][0]}, hysteresis=0.0)["LF"]
+    named = [found.position, *(alternative.position for alternative in found.alternatives)]
+    np.testing.assert_allclose(named, [position for position, _ in ranked[:3]], atol=1e-6)
+
+
 def test_an_answer_can_be_given_back_as_it_is(selector):
     """The dict of the last call; a leg that had none, or is not asked for, does not matter."""
     first = selector.select(rough_map(), POSE)
