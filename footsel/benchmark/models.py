@@ -106,16 +106,10 @@ def _needing_torch() -> Iterator[None]:
 def _trained(run: Path) -> tuple[Any, dict[str, Any]]:
     """The network of a run or of a release, ready for inference, and the header of its weights."""
     with _needing_torch():
-        from footsel.learning.build import build_network
-        from footsel.learning.checkpoint import read_model
-        from footsel.learning.network import channels_last
-        from footsel.learning.recipe import Recipe
+        from footsel.learning.checkpoint import read_network
         from footsel.learning.warm_start import find_weights
 
-    weights, info = read_model(find_weights(run, PAIR))
-    network = build_network(Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"]))
-    network.load_state_dict(weights)
-    return channels_last(network).eval(), info
+    return read_network(find_weights(run, PAIR))
 
 
 def _inference(network: Network) -> Prepare:

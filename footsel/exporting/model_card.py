@@ -149,12 +149,13 @@ def _parity(parity: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
     front = infos["front"]
-    layout, planes, noise = front["layout"], front["encoding"]["planes"], front["recipe"].get("noise", 0)
+    layout, planes = front["layout"], front["encoding"]["planes"]
+    noise, holes = (front["recipe"].get(key, 0.0) for key in ("noise", "holes"))
     lines = [
         f"- One robot: {front['robot']}, cells of {layout['resolution'] * 100:g} cm, terrain down to "
         f"{layout['height_range']:g} m below the hip point. Deeper ground looks like ground at that depth.",
-        f"- Trained on generated terrain, {noise:.0%} of the maps as a depth camera sees them,",
-        "  with noise, drift and holes. Labels are those of the true ground.",
+        f"- Trained on generated terrain with labels of the true ground; {noise:.0%} of the maps had a depth camera's",
+        f"  noise and drift, {holes:.0%} had cells hidden.",
         "- A network errs: see the picks that the oracle rejects. Where a wrong step is costly, let an exact check",
         "  confirm the pick (`select(..., verify=...)`).",
         "- It judges where a foot stands, not how it gets there: the swing is for the planner to check.",

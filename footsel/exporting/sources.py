@@ -21,12 +21,9 @@ from footsel.exporting.onnx_file import strip, to_onnx
 from footsel.exporting.parity import DECODING_FIGURES, graph_logits, trained_logits
 from footsel.exporting.simplify import simplified
 from footsel.exporting.trial_maps import TrialMaps
-from footsel.footholds import LegLayout
 from footsel.footholds.encoding import InputEncoding
-from footsel.learning.build import build_network
-from footsel.learning.checkpoint import load_network, read_model, released_weights
+from footsel.learning.checkpoint import load_network, read_network, released_weights
 from footsel.learning.files import weights_file
-from footsel.learning.recipe import Recipe
 from footsel.runtime.model_folder import PARITY_FILE, SUMS_FILE, network_file, read_checked
 
 
@@ -75,15 +72,14 @@ def _trained(folder: Path) -> Source:
 def _released(folder: Path, pair: str) -> Source:
     weights, network = weights_file(pair), network_file(pair)
     contents = read_checked(folder, keep=(weights, network, PARITY_FILE))
-    info = read_model(folder / weights)[1]
+    trained, info = read_network(folder / weights)
     model = without_decoding(onnx.load_from_string(contents[network]))
     strip(model)
-    recipe, layout = Recipe.from_dict(info["recipe"]), LegLayout.from_dict(info["layout"])
     return Source(
         info=info,
         weights=contents[weights],
         model=model,
-        exact_parts=build_network(recipe, layout).exact_parts,
+        exact_parts=trained.exact_parts,
         logits=partial(graph_logits, model, InputEncoding.from_dict(info["encoding"])),
         comparison=_comparison(contents[PARITY_FILE], pair),
     )

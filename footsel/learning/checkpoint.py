@@ -109,13 +109,17 @@ def released_weights(weights: Mapping[str, Tensor], info: Mapping[str, Any]) -> 
 
 
 def load_network(folder: str | Path) -> tuple[FootholdNetwork, dict[str, Any]]:
-    """The network of a run's folder OUT/PAIR, ready for inference, and what its header says.
+    """The network of a run's folder OUT/PAIR, as of `read_network`."""
+    return read_network(Path(folder) / MODEL_FILE)
+
+
+def read_network(path: Path) -> tuple[FootholdNetwork, dict[str, Any]]:
+    """The network of a model's file, a run's or a released one's, ready for inference, and what its header says.
 
     The header has: robot, pair, layout, skeleton, recipe, encoding, in_channels, classes, class_shares, dataset (what
     it was made with), dataset_sha256, seed, epochs_done, feasible_below, validation, version.
     Raises ModelError if there is no such model.
     """
-    path = Path(folder) / MODEL_FILE
     tensors, info = read_model(path)
     try:
         # Models of before there were skeletons have none.

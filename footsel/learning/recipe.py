@@ -45,7 +45,8 @@ class Recipe:
     architecture: "erfnet" or "footnet"; for the latter widths, blocks, features (footsel.learning.footnet.FootNet).
     balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
     ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
-    noise: share of the training maps that are seen through a depth camera (footsel.learning.augmentation).
+    noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells
+        (footsel.learning.augmentation).
     """
 
     name: str
@@ -71,6 +72,7 @@ class Recipe:
     reason_weight: float = 0.0
     collision_weight: float = 1.0
     noise: float = 0.0
+    holes: float = 0.0
 
     def __post_init__(self) -> None:
         for key in ("planes", "widths", "blocks", "features"):
@@ -91,7 +93,9 @@ class Recipe:
             "reason_weight", _is_number(self.reason_weight) and self.reason_weight >= 0, "a number of 0 or more"
         )
         self._check("collision_weight", _is_number(self.collision_weight) and self.collision_weight > 0, "above 0")
-        self._check("noise", _is_number(self.noise) and 0 <= self.noise <= 1, "a share from 0 to 1")
+        for key in ("noise", "holes"):
+            share = getattr(self, key)
+            self._check(key, _is_number(share) and 0 <= share <= 1, "a share from 0 to 1")
         self._check_network()
         if self.schedule == "exponential":
             self._check("decay", _is_number(self.decay) and 0 < float(self.decay or 0) <= 1, "a number in (0, 1]")

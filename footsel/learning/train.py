@@ -169,8 +169,10 @@ def fit(
         batches = shuffled_batches(len(data.training), recipe.batch_size, seed, epoch)
         for batch in range(progress.batch, batches_per_epoch):
             samples = data.training.take(batches[batch])
-            if recipe.noise > 0:
-                samples = as_seen(samples, data.layout.resolution, recipe.noise, seed=(seed, epoch, batch))
+            if recipe.noise + recipe.holes > 0:
+                samples = as_seen(
+                    samples, data.layout.resolution, recipe.noise, recipe.holes, seed=(seed, epoch, batch)
+                )
             rate = rate_of(recipe, epoch, batch, batches_per_epoch)
             loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)
             if not math.isfinite(loss):

@@ -54,10 +54,11 @@ def test_checkpoint_and_exported_model_have_the_same_figures(workplace):
 
 
 def test_torch_is_a_baseline_of_the_benchmark(workplace, anymal_layout):
-    times = time_torch(workplace / "run", make_cases(anymal_layout, 3, seed=0))
-    assert set(times["network_ms"]) == {"p50", "p99"} and times["network_ms"]["p50"] > 0
-    with pytest.raises(ModelError, match="footsel train"):
-        time_torch(workplace / "model", [])
+    for folder in ("run", "model"):
+        times = time_torch(workplace / folder, make_cases(anymal_layout, 3, seed=0))
+        assert set(times["network_ms"]) == {"p50", "p99"} and times["network_ms"]["p50"] > 0
+    with pytest.raises(ModelError, match="no model"):
+        time_torch(workplace / "absent", [])
 
 
 def test_select_with_the_exported_model(workplace, capsys):

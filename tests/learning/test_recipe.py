@@ -92,6 +92,7 @@ def test_a_wrong_value_is_named(key, value):
         ("collision_weight", 0),
         ("noise", -0.5),
         ("noise", 1.5),
+        ("holes", -0.1),
     ],
 )
 def test_a_wrong_network_or_loss_is_named(key, value):
@@ -110,7 +111,7 @@ def test_erfnet_has_no_choices(key, value):
 def test_a_recipe_of_before_these_choices_is_erfnet_with_none_of_them():
     values = Recipe.load("paper").to_dict()
     new = ("architecture", "widths", "blocks", "features", "balls", "ordinal", "reason_weight", "collision_weight")
-    new += ("noise",)
+    new += ("noise", "holes")
     assert Recipe.from_dict({key: value for key, value in values.items() if key not in new}) == Recipe.load("paper")
 
 

@@ -27,7 +27,7 @@ from footsel.learning.train import fit
 
 QUICK = {name: replace(Recipe.load(name), epochs=2, batch_size=8) for name in ("paper", "footsel")}
 #: Everything that a recipe can ask for beside.
-QUICK["all"] = replace(QUICK["footsel"], ordinal=0.5, reason_weight=0.3, collision_weight=2.0, noise=0.5)
+QUICK["all"] = replace(QUICK["footsel"], ordinal=0.5, reason_weight=0.3, collision_weight=2.0, noise=0.5, holes=0.5)
 
 
 def curve(folder):
