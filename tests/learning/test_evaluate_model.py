@@ -16,7 +16,8 @@ from footsel.dataset.store import (
     write_shard,
 )
 from footsel.errors import InputError, ModelError, UnknownNameError
-from footsel.exporting.onnx_file import to_onnx, with_contract
+from footsel.exporting.decoding import with_decoding
+from footsel.exporting.onnx_file import OPSET, to_onnx, with_contract
 from footsel.files import write_json
 from footsel.footholds import DISTANCE_WEIGHT, LegLayout
 from footsel.footholds.encoding import InputEncoding
@@ -25,8 +26,9 @@ from footsel.learning.degraded import Degradation
 from footsel.learning.evaluate import evaluate_model, find_models
 from footsel.learning.recipe import Recipe
 from footsel.learning.train import train
+from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
-from footsel.runtime.contract import ModelContract
+from footsel.runtime.contract import FRAME, ModelContract
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +63,8 @@ def test_checkpoint_and_onnx_give_the_same_figures(dataset_dir, run, tmp_path, f
     contract = ModelContract(
         robot=info["robot"],
         pair=info["pair"],
+        leg=TRAINED_LEG[info["pair"]],
+        frame=FRAME,
         layout=LegLayout.from_dict(info["layout"]),
         encoding=InputEncoding.from_dict(info["encoding"]),
         classes=info["classes"],
@@ -69,8 +73,11 @@ def test_checkpoint_and_onnx_give_the_same_figures(dataset_dir, run, tmp_path, f
         recipe=info["recipe"]["name"],
         dataset_sha256=info["dataset_sha256"],
         version=info["version"],
+        opset=OPSET,
+        commit="",
     )
-    (tmp_path / "front.onnx").write_bytes(with_contract(to_onnx(net, net.in_channels), contract))
+    model = with_decoding(to_onnx(net, net.in_channels))
+    (tmp_path / "front.onnx").write_bytes(with_contract(model, contract))
     out = tmp_path / "metrics.json"
     ours = evaluate_model(run, dataset_dir, out)
     assert json.loads(out.read_text()) == ours
