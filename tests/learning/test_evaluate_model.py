@@ -25,7 +25,7 @@ from footsel.learning.checkpoint import load_network
 from footsel.learning.degraded import Degradation
 from footsel.learning.evaluate import evaluate_model, find_models
 from footsel.learning.recipe import Recipe
-from footsel.learning.train import train
+from footsel.learning.train import load_data, train
 from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
 from footsel.runtime.contract import FRAME, ModelContract
@@ -38,7 +38,8 @@ def dataset_dir(make_samples, tmp_path_factory):
     for number, shard in enumerate(shards):
         write_shard(shard_path(folder, "front", number), pack_shard(shard))
     entry = pair_entry([record_shard(folder, "front", number) for number in range(len(shards))])
-    write_json(folder / MANIFEST, {"config": {"robot": "anymal_b"}, "pairs": {"front": entry}})
+    config = {"robot": "anymal_b", "maps": 18, "seed": 1, "recipe": "footsel", "families": [], "exclude": []}
+    write_json(folder / MANIFEST, {"config": config, "pairs": {"front": entry}})
     return folder
 
 
@@ -140,3 +141,23 @@ def test_wrong_degradations_are_refused_in_a_line(dataset_dir, run, tmp_path, ca
 def test_nothing_to_evaluate_is_said(tmp_path):
     with pytest.raises(ModelError, match="no trained network at"):
         find_models(tmp_path)
+
+
+def test_a_family_left_out_of_training_is_judged_as_unseen(dataset_dir, tmp_path, script):
+    data = load_data(dataset_dir, "front", exclude=("steps",))
+    assert set(data.training.family) == set(data.validation.family) == {"blocks"}
+    with pytest.raises(UnknownNameError, match="'moon'"):
+        load_data(dataset_dir, "front", exclude=("moon",))
+
+    train(dataset_dir, tmp_path, "front", replace(Recipe.load("footsel"), batch_size=6), epochs=1, exclude=("steps",))
+    _, info = load_network(tmp_path / "front")
+    assert info["dataset"]["exclude"] == ["steps"] and info["maps"]["training"] == len(data.training)
+    judged = evaluate_model(tmp_path, dataset_dir, families=["steps"])["networks"]["front"]["all"]
+    found = script("judge").held_out(tmp_path, dataset_dir)["networks"]["front"]
+    assert found["exclude"] == ["steps"] and set(found["families"]) == {"steps"}
+    assert found["unseen"]["picks"] == judged["picks"] and found["unseen"]["maps"] == found["seen"]["maps"] == 9
+
+
+def test_a_network_that_saw_all_families_has_none_to_be_judged_unseen(dataset_dir, run, script):
+    with pytest.raises(InputError, match="trained on all families"):
+        script("judge").held_out(run, dataset_dir)
