@@ -12,6 +12,7 @@ from footsel.footholds.encoding import InputEncoding
 from footsel.learning.clearance import LegClearance
 from footsel.learning.place import Place
 from footsel.learning.skeleton import LegSkeleton
+from footsel.learning.tilt import tilt_matrix
 
 #: Training maps that are looked at, spread over all of them.
 MAPS = 200
@@ -43,9 +44,9 @@ def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[N
     height, unknown, roll, pitch = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch)).chunk(
         4, dim=1
     )
-    roll, pitch = roll[:, :, :1, :1], pitch[:, :, :1, :1]
-    place = Place(layout)(height, roll, pitch)
-    clearance = LegClearance(layout, skeleton)(place, height, 1 - unknown, roll, pitch).permute(0, 2, 3, 1).numpy()
+    tilt = tilt_matrix(roll[:, :, :1, :1], pitch[:, :, :1, :1])
+    clearance = LegClearance(layout, skeleton)(Place(layout)(height, tilt), height, 1 - unknown, tilt)
+    clearance = clearance.permute(0, 2, 3, 1).numpy()
     collides = some.reason == Reason.TERRAIN_COLLISION
     in_range = collides | (some.reason == Reason.FEASIBLE)
     return clearance[in_range], collides[in_range]

@@ -24,6 +24,7 @@ from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES
 from footsel.learning.relief import Drops, FootSurface, KnownShares, Rises
 from footsel.learning.skeleton import LegSkeleton
+from footsel.learning.tilt import tilt_matrix
 
 #: Dilations of the residual layers of one stage, repeated as needed; the map ends 5 cells from the middle at 10x10.
 DILATIONS = (1, 2, 4, 2)
@@ -113,10 +114,10 @@ class FootNet(FootholdNetwork):
         with float32():
             itself = [maps, self.known_shares(known)]
             if self.place is not None:
-                roll, pitch = (self._plane(maps, name)[:, :, :1, :1] for name in ("roll", "pitch"))
-                itself.append(self.place(depth, roll, pitch))
+                tilt = tilt_matrix(*(self._plane(maps, name)[:, :, :1, :1] for name in ("roll", "pitch")))
+                itself.append(self.place(depth, tilt))
                 if self.clearance is not None:
-                    itself.append(self.clearance(itself[-1], depth, known, roll, pitch))
+                    itself.append(self.clearance(itself[-1], depth, known, tilt))
             cells: Tensor = self.from_itself(torch.cat(itself, dim=1))
         foot = depth if self.foot_surface is None else self.foot_surface(depth, known)
         for layer, weigh in zip(self._relief(), self.from_relief, strict=True):

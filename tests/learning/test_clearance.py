@@ -5,11 +5,12 @@ import pytest
 import torch
 
 from footsel.footholds import Reason
-from footsel.footholds.encoding import TILT_RANGE, InputEncoding
+from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
 from footsel.learning.clearance import LARGEST_CLEARANCE, LegClearance
 from footsel.learning.place import Place
 from footsel.learning.skeleton import LegSkeleton
+from footsel.learning.tilt import tilt_matrix
 from footsel.legs import LEGS
 from footsel.oracle import Oracle
 from footsel.oracle.swing_bodies import SwingBodies
@@ -31,10 +32,10 @@ def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
     layer = LegClearance(robot.layout, skeleton or LegSkeleton.of(robot, leg))
     encode = InputEncoding(PLANES, False, robot.layout.height_range).encode
     maps = torch.from_numpy(encode(heights[None], roll, pitch))
-    depth, known, tilts = maps[:, :1], 1 - maps[:, 1:2], (maps[:, 2:3, :1, :1], maps[:, 3:4, :1, :1])
-    place = Place(robot.layout)(depth, *tilts)
-    found = layer(place, depth, known, *tilts)[0].numpy()
-    return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, place, tilts)
+    depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], tilt_matrix(maps[:, 2:3, :1, :1], maps[:, 3:4, :1, :1])
+    place = Place(robot.layout)(depth, tilt)
+    found = layer(place, depth, known, tilt)[0].numpy()
+    return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, place, tilt)
 
 
 @pytest.mark.parametrize("leg", LEGS)
@@ -42,8 +43,8 @@ def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
 def test_balls_are_in_the_bodies(robot, leg, roll, pitch):
     """Where the oracle's own kinematics put the bodies, the balls lie, the same in body axes for every foothold."""
     heights = np.random.default_rng(0).uniform(-0.6, -0.3, (40, 40)).astype(np.float32)
-    _, (layer, place, tilts) = clearances(robot, leg, heights, roll, pitch)
-    where = layer.centres(place, *(tilt * TILT_RANGE for tilt in tilts))[0].reshape(3, -1, 40, 40).numpy()
+    _, (layer, place, tilt) = clearances(robot, leg, heights, roll, pitch)
+    where = layer.centres(place, tilt)[0].reshape(3, -1, 40, 40).numpy()
     where[:2] = (where[:2] - 19.5) * 0.02
     tilt = tilt_rotation(roll, pitch)
     feet = np.concatenate([cell_offsets(40, 0.02), (heights + 0.031)[..., None]], axis=-1) @ tilt
@@ -69,8 +70,8 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
     heights = np.random.default_rng(1).uniform(-0.6, -0.45, (40, 40)).astype(np.float32)
     heights[5:9, 20:30] = np.nan
     skeleton = LegSkeleton.of(robot, "LF")
-    found, (layer, place, tilts) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
-    centres = layer.centres(place, *(tilt * TILT_RANGE for tilt in tilts))
+    found, (layer, place, tilt) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
+    centres = layer.centres(place, tilt)
     row, column, z = centres[0].reshape(3, -1, 40, 40).numpy()
 
     def touching(radius, a, b):
@@ -78,7 +79,7 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
         for c in range(max(a - 4, 0), min(a + 5, 40)):
             for d in range(max(b - 4, 0), min(b + 5, 40)):
                 aside = 0.02 * max(abs(c - a), abs(d - b))
-                height = -0.85 * 3 if np.isnan(heights[c, d]) else heights[c, d]
+                height = -0.85 if np.isnan(heights[c, d]) else heights[c, d]
                 if aside < radius - 1e-9:
                     highest = max(highest, height + np.sqrt(radius**2 - aside**2))
         return highest
@@ -131,11 +132,11 @@ def test_unknown_cells_collide_with_nothing(robot):
 
 def test_nothing_is_learnt_and_nothing_is_rounded(robot):
     heights = np.full((40, 40), -0.45, dtype=np.float32)
-    exact, (layer, place, tilts) = clearances(robot, "LF", heights)
+    exact, (layer, place, tilt) = clearances(robot, "LF", heights)
     assert not list(layer.parameters()) and not layer.state_dict()
     with torch.autocast("cpu", torch.bfloat16):
         maps = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights[None]))
-        found = layer(place.requires_grad_(), maps[:, :1], 1 - maps[:, 1:2], *tilts)
+        found = layer(place.requires_grad_(), maps[:, :1], 1 - maps[:, 1:2], tilt)
     assert found.dtype == torch.float32 and not found.requires_grad
     np.testing.assert_allclose(found[0].numpy() * 0.1, exact, rtol=1e-6)
 

@@ -14,6 +14,7 @@ from footsel.learning.erfnet import ERFNet
 from footsel.learning.footnet import FootNet
 from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES, Recipe
+from footsel.learning.tilt import tilt_matrix
 from footsel.terrain.local_map import cell_offsets
 
 PLANES = ("height", "unknown", "roll", "pitch")
@@ -36,7 +37,7 @@ def test_places_are_foot_centres_in_base_axes(layout, bfloat16):
     roll, pitch = np.array([0.0, 0.17, -0.11]), np.array([0.12, 0.0, -0.15])
     encoded = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights, roll, pitch))
     with torch.autocast("cpu", torch.bfloat16, enabled=bfloat16):
-        place = Place(layout)(encoded[:, :1], encoded[:, 2:3, :1, :1], encoded[:, 3:4, :1, :1])
+        place = Place(layout)(encoded[:, :1], tilt_matrix(encoded[:, 2:3, :1, :1], encoded[:, 3:4, :1, :1]))
     offsets = np.broadcast_to(cell_offsets(40, layout.resolution), (3, 40, 40, 2))
     centres = np.concatenate([offsets, (heights + layout.foot_radius)[..., None]], axis=-1)
     for index in range(3):
@@ -95,7 +96,7 @@ def test_reasons_are_learnt_beside_and_can_go(network):
 def test_no_constant_is_stored_with_the_weights(network):
     """They follow from the layout, so a file is small and cannot contradict it."""
     buffers = {name for name, _ in network().named_buffers()} - set(network().state_dict())
-    assert {"drops.weight", "drops.bias", "place.x", "known_shares.weight", "clearance.weight"} <= buffers
+    assert {"drops.weight", "drops.bias", "place.xy", "known_shares.weight", "clearance.leg_axes"} <= buffers
 
 
 @pytest.mark.parametrize("architecture", ["erfnet", "footnet"])
