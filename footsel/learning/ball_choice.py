@@ -11,8 +11,9 @@ from footsel.footholds import LegLayout, Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning.clearance import LegClearance
 from footsel.learning.place import Place
+from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
-from footsel.learning.tilt import tilt_matrix
+from footsel.learning.tilt import Tilt
 
 #: Training maps that are looked at, spread over all of them.
 MAPS = 200
@@ -44,12 +45,12 @@ def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[N
     height, unknown, roll, pitch = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch)).chunk(
         4, dim=1
     )
-    tilt = tilt_matrix(roll[:, :, :1, :1], pitch[:, :, :1, :1])
-    clearance = LegClearance(layout, skeleton)(Place(layout)(height, tilt), height, 1 - unknown, tilt)
-    clearance = clearance.permute(0, 2, 3, 1).numpy()
+    tilt = Tilt()(torch.cat([roll, pitch], dim=1)[:, :, :1, :1])
+    posture = Posture(skeleton, layout.height_range)(Place(layout)(height.flatten(2), tilt))
+    clearance = LegClearance(layout, skeleton)(posture, tilt, height, 1 - unknown).mT.numpy()
     collides = some.reason == Reason.TERRAIN_COLLISION
-    in_range = collides | (some.reason == Reason.FEASIBLE)
-    return clearance[in_range], collides[in_range]
+    in_range = (collides | (some.reason == Reason.FEASIBLE)).reshape(len(some), -1)
+    return clearance[in_range], collides.reshape(len(some), -1)[in_range]
 
 
 def _errors(least: NDArray[np.float32], collides: NDArray[np.bool_]) -> int:

@@ -12,9 +12,18 @@ def build_network(recipe: Recipe, layout: LegLayout, skeleton: LegSkeleton | Non
     """With random weights, from torch's global generator.
 
     layout: of the robot, whose cell size, height range and foot FootNet's fixed layers are made for.
-    skeleton: of the trained leg, for a recipe with the feature "clearance".
+    skeleton: of the trained leg, which FootNet needs.
     """
     if recipe.architecture == "erfnet":
         return ERFNet(len(recipe.planes))
-    reasons = recipe.reason_weight > 0
-    return FootNet(recipe.planes, layout, recipe.widths, recipe.blocks, recipe.features, reasons, skeleton)
+    assert skeleton is not None, "a FootNet is that of a leg"
+    return FootNet(
+        recipe.planes,
+        layout,
+        skeleton,
+        cells=recipe.cells,
+        widths=recipe.widths,
+        blocks=recipe.blocks,
+        features=recipe.features,
+        reasons=recipe.reason_weight > 0,
+    )

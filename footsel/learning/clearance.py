@@ -8,145 +8,132 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.learning.float32 import float32
-from footsel.learning.place import Place
+from footsel.learning.posture import TIMES_I, Posture
 from footsel.learning.skeleton import LegSkeleton
-from footsel.learning.tilt import turned
 from footsel.terrain import CELLS
 
 #: A clearance counts up to this either way, in cells of the local map: 10 cm for ANYmal.
 LARGEST_CLEARANCE = 5.0
-#: Keeps roots and divisions finite where the leg does not reach, in [m^2].
-TINY = 1e-6
-
-#: Complex numbers are pairs here, of numbers or of planes. This multiplies one by i.
-TIMES_I = np.array([[0.0, -1.0], [1.0, 0.0]])
+#: Of what a ball does not touch, in [m].
+FAR_BELOW = 10.0
 
 
 class LegClearance(nn.Module):
     """Clearance of each ball of the leg's skeleton over the terrain below it, in [-1, 1], 1 at LARGEST_CLEARANCE.
 
-    Inverse kinematics in closed form (footsel.robot.LegKinematics) puts the balls where a foot on each cell puts the
-    leg; each looks up the terrain's surface, grown by its radius. The balls fill the bodies roughly, so this is an
-    estimate, which the network weighs. Out of range the leg is stretched. Nothing here is learnt, so no gradient
-    passes; computed in float32 even under autocast.
-
-    No angle is ever computed: a turn in a plane is a product of complex numbers, and where the turns are constant, all
-    of them are one convolution. An engine pays for operators more than for what they compute.
+    The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius. The balls fill the
+    bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no gradient passes;
+    computed in float32 even under autocast.
     """
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton) -> None:
         super().__init__()
-        self._layout, self._skeleton = layout, skeleton
-        leg = skeleton
-        self.channels = len(leg.radius)
-        self._radii = sorted(set(leg.radius.tolist()))
+        self._layout = layout
+        self.channels = len(skeleton.radius)
+        self._unit = LARGEST_CLEARANCE * layout.resolution
+        radii = sorted(set(skeleton.radius.tolist()))
+        rises = _rises(np.array(radii), layout.resolution)
+        self._keep("rises", rises[..., None, None] / self._unit)
+        weight, bias = _ball_sums(skeleton)
+        self._keep("weight", weight)
+        self._keep("bias", bias[:, None])
 
-        # The foot from Place's planes: along u from the HFE axis; in the plane of v and w from the HAA axis, as a
-        # complex number z; what `centres` needs of it is plane_offset (z, i z), then (-i z, z).
-        along, z = leg.basis[:1], leg.basis[1:]
-        axes = np.vstack([along, leg.plane_offset * z, leg.plane_offset * TIMES_I @ z, -TIMES_I @ z, z])
-        to_hfe = np.zeros(len(axes))
-        to_hfe[0] = leg.hfe_offset[0]
-        unseen = np.zeros((len(axes), Place.CHANNELS - 3))
-        self._keep("foot_axes", np.hstack([layout.height_range * axes, unseen])[..., None, None])
-        self._keep("foot_offset", -axes @ leg.haa - to_hfe)
-
-        # The balls in the leg plane, complex numbers along u and w, are sums of constant multiples of three: the foot
-        # f from the HFE axis, and the two whose sum, the second times i, is the knee.
-        knee, foot = np.hstack([np.zeros((2, 2)), np.eye(2), TIMES_I]), np.eye(2, 6)
-        balls = np.empty((2, self.channels, 6))
-        for number, (link, ball) in enumerate(zip(leg.link, leg.balls[:, ::2], strict=True)):
-            balls[:, number] = (
-                _times(ball, leg.thigh) @ knee if link == 0 else knee + _times(ball, leg.shank) @ (foot - knee)
-            )
-        self._keep("in_plane", balls.reshape(-1, 6)[..., None, None])
-        self._keep("hfe", np.repeat(leg.hfe_offset, self.channels))
-        self._keep("beside", leg.balls[:, 1].reshape(-1, 1, 1))
-
-        # From the leg's axes to the map: rows and columns, and heights in [m].
-        self._keep("leg_axes", np.column_stack([leg.basis.T, leg.haa]))
-        self._keep("scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1.0]]))
+        # From the leg's axes to the map: rows and columns, and heights.
+        self._keep("leg_axes", np.column_stack([skeleton.basis.T, skeleton.haa]))
+        self._keep("scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]))
         self._keep("middle", np.array([[(CELLS - 1) / 2], [(CELLS - 1) / 2], [0.0]]))
-        surface = np.array([self._radii.index(radius) for radius in leg.radius])
-        self._keep("surface", surface.reshape(-1, 1, 1) * CELLS**2)
+        # Ball after ball, where its radius's surface begins.
+        surface = np.array([radii.index(radius) for radius in skeleton.radius])
+        self._keep("index", np.array([[float(CELLS), 1.0]]))
+        self._keep("first_index", np.repeat(surface * CELLS**2, CELLS**2)[None])
 
     @torch.no_grad()
-    def forward(self, place: Tensor, depth: Tensor, known: Tensor, tilt: Tensor) -> Tensor:
-        """(n, 5, 40, 40) of Place, (n, 1, 40, 40) depth and 1 where it is known, (n, 3, 3) tilt_matrix ->
-        (n, channels, 40, 40)."""
+    def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
+        """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where it is known ->
+        (n, channels, 1600)."""
         with float32():
-            row, column, height = (part.squeeze(1) for part in self.centres(place, tilt).chunk(3, dim=1))
-            below = self._look_up(self._surfaces(depth, known), row.clamp(0, CELLS - 1), column.clamp(0, CELLS - 1))
-            clearance: Tensor = (height - below) / (LARGEST_CLEARANCE * self._layout.resolution)
-            return clearance.clamp(-1, 1)
+            centres = self.centres(posture, tilt)
+            clearance = centres[:, 2] - self._look_up(self._surfaces(depth, known), centres[:, :2])
+            return clearance.clamp(-1, 1).reshape(-1, self.channels, CELLS**2)
 
-    def centres(self, place: Tensor, tilt: Tensor) -> Tensor:
-        """(n, 3, channels, 40, 40) of all balls in the heading frame: row and column in cells, and z in [m]."""
-        leg = self._skeleton
-        planes = functional.conv2d(place, self.get_buffer("foot_axes"), self.get_buffer("foot_offset"))
-        along, kept, turning = planes[:, :1], planes[:, 1:5], planes[:, 5:]
+    def centres(self, posture: Tensor, tilt: Tensor) -> Tensor:
+        """(n, 3, channels * 1600) of all balls in the heading frame, ball after ball.
 
-        # Abduction: the leg plane keeps its distance from the HAA axis. From zero it has turned by
-        # (plane_offset - i down) z / |z|^2.
-        across = turning[:, 2:]
-        distance = (across * across).sum(dim=1, keepdim=True).clamp(min=TINY)
-        down = leg.below * (distance - leg.plane_offset**2).clamp(min=TINY).sqrt()
-        turn, turn_times_i = ((kept + turning * down) / distance).unsqueeze(2).chunk(2, dim=1)
-
-        # The two links in the leg plane: the knee lies on two circles, on the nominal stance's side.
-        foot = torch.cat([along, down - float(leg.hfe_offset[1])], dim=1)
-        thigh, shank = float(leg.thigh @ leg.thigh), float(leg.shank @ leg.shank)
-        reach = (foot * foot).sum(dim=1, keepdim=True).clamp(min=TINY)
-        forward = 0.5 + (thigh - shank) / 2 / reach
-        aside = leg.knee_branch * (thigh / reach - forward * forward).clamp(min=0).sqrt()
-        parts = torch.cat([foot, forward * foot, aside * foot], dim=1)
-        balls = functional.conv2d(parts, self.get_buffer("in_plane"), self.get_buffer("hfe"))
-        u, w = balls.unsqueeze(1).chunk(2, dim=2)
-
-        # Out of the leg plane and into the map.
-        vw = self.get_buffer("beside") * turn + w * turn_times_i
+        Row and column in cells, and z in units of the largest clearance.
+        """
+        count = self.channels
+        sums = self.get_buffer("weight") @ posture + self.get_buffer("bias")
+        u, beside_v, beside_w, w = (sums[:, part * count : (part + 1) * count] for part in range(4))
+        w_axis_v, w_axis_w = sums[:, 4 * count : 4 * count + 1], sums[:, 4 * count + 1 :]
+        balls = torch.cat([u, beside_v + w * w_axis_v, beside_w + w * w_axis_w], dim=1)
         frame = (tilt @ self.get_buffer("leg_axes")) * self.get_buffer("scale")
-        axes, haa = frame[..., :3], frame[..., 3:]
-        centres: Tensor = turned(axes, torch.cat([u, vw], dim=1)) + (haa + self.get_buffer("middle"))[..., None, None]
+        axes, haa = frame[..., :3], frame[..., 3:] + self.get_buffer("middle")
+        centres: Tensor = axes @ balls.reshape(-1, 3, count * CELLS**2) + haa
         return centres
 
-    def _look_up(self, surfaces: Tensor, row: Tensor, column: Tensor) -> Tensor:
-        """(n, channels, 40, 40) of each ball's surface at rows and columns of the same shape.
+    def _look_up(self, surfaces: Tensor, at: Tensor) -> Tensor:
+        """(n, channels * 1600) of each ball's surface at (n, 2, channels * 1600) rows and columns.
 
         Bilinear, and so continuous: rounding decides nothing, and engines that round differently agree.
         """
+        at = at.clamp(0, CELLS - 1)
         # The cell whose corner is the least of four; surfaces lie one after the other.
-        corner_row, corner_column = row.floor().clamp(0, CELLS - 2), column.floor().clamp(0, CELLS - 2)
-        along, across = row - corner_row, column - corner_column
-        index = (corner_row * CELLS + corner_column + self.get_buffer("surface")).long().flatten(1)
+        corner = at.floor().clamp(max=CELLS - 2)
+        along, across = (at - corner).unbind(dim=1)
+        index = ((self.get_buffer("index") @ corner).squeeze(1) + self.get_buffer("first_index")).long()
         # Values there, and by how much they change over a row, over a column and over both.
         values = surfaces.flatten(1)
         down, right = values[:, CELLS:] - values[:, :-CELLS], values[:, 1:] - values[:, :-1]
         twist = down[:, 1:] - down[:, :-1]
-        value, down, right, twist = (torch.gather(part, 1, index).view_as(row) for part in (values, down, right, twist))
+        value, down, right, twist = (torch.gather(part, 1, index) for part in (values, down, right, twist))
         return value + along * down + across * (right + along * twist)
 
     def _surfaces(self, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, radii, 40, 40) how high the centre of a ball of each radius is that rests on the terrain, in [m].
+        """(n, radii, 40, 40) how high the centre of a ball of each radius is that rests on the terrain.
 
-        Unknown cells are as deep as an image goes: no leg comes near.
+        In units of the largest clearance. Unknown cells are as deep as an image goes: no leg comes near.
         """
-        resolution = self._layout.resolution
-        height = -self._layout.height_range * (depth * known + (1 - known))
-        rings = int(np.ceil(self._radii[-1] / resolution - 1e-9))
-        highest = [functional.max_pool2d(height, 2 * ring + 1, stride=1, padding=ring) for ring in range(1, rings)]
-        surfaces = []
-        for radius in self._radii:
-            surface = height + radius
-            for ring, ground in enumerate(highest, start=1):
-                if ring * resolution < radius - 1e-9:
-                    surface = torch.maximum(surface, ground + float(np.sqrt(radius**2 - (ring * resolution) ** 2)))
-            surfaces.append(surface)
-        return torch.cat(surfaces, dim=1)
+        depth = 1 - (1 - depth) * known
+        ground = depth * (-self._layout.height_range / self._unit)
+        rings = self.get_buffer("rises").shape[1]
+        highest = [functional.max_pool2d(ground, 2 * ring + 1, stride=1, padding=ring) for ring in range(1, rings)]
+        return (torch.cat([ground, *highest], dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
 
     def _keep(self, name: str, value: NDArray[np.float64]) -> None:
         """A constant that goes where the layer goes, but not into files."""
         self.register_buffer(name, torch.from_numpy(value).float(), persistent=False)
+
+
+def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Weight (m, 10) and bias (m,) of sums of Posture's planes, in [m].
+
+    For every ball its place along u; by how much `beside` it is, the part along v, turned with the abduction: along v,
+    then along w; its place along the leg plane's w; after all balls where that axis w points: along v and w.
+    """
+    # Pairs of planes: abduction, foot, along, across; then reach and slack.
+    pairs = np.eye(Posture.CHANNELS).reshape(5, 2, Posture.CHANNELS)
+    abduction, foot, along, across, _ = pairs
+    knee = along + TIMES_I @ across
+    count = len(leg.radius)
+    weight, bias = np.zeros((4, count, Posture.CHANNELS)), np.zeros((4, count))
+    for number, (link, (ball_u, ball_v, ball_w)) in enumerate(zip(leg.link, leg.balls, strict=True)):
+        ball = np.array([ball_u, ball_w])
+        centre = _times(ball, leg.thigh) @ knee if link == 0 else knee + _times(ball, leg.shank) @ (foot - knee)
+        weight[[0, 3], number] = leg.length * centre
+        bias[[0, 3], number] = leg.hfe_offset
+        weight[1:3, number] = ball_v * abduction
+    w_axis = TIMES_I @ abduction
+    return np.vstack([weight.reshape(-1, Posture.CHANNELS), w_axis]), np.append(bias.ravel(), np.zeros(2))
+
+
+def _rises(radii: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
+    """(radii, rings) how far the centre of a ball lies above the cells of a square ring that it touches, in [m].
+
+    Far below for rings that it does not reach.
+    """
+    aside = np.arange(int(np.ceil(radii.max() / resolution - 1e-9))) * resolution
+    reached = aside < radii[:, None] - 1e-9
+    return np.where(reached, np.sqrt(np.maximum(radii[:, None] ** 2 - aside**2, 0)), -FAR_BELOW)
 
 
 def _times(dividend: NDArray[np.float64], divisor: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,6 @@ from torch import Tensor, nn
 
 from footsel.footholds import LegLayout
 from footsel.learning.float32 import float32
-from footsel.learning.tilt import turned
 from footsel.terrain import CELLS
 from footsel.terrain.local_map import cell_offsets
 
@@ -13,23 +12,21 @@ from footsel.terrain.local_map import cell_offsets
 class Place(nn.Module):
     """Foot centres in base axes, from the leg's hip point, as shares of the height range.
 
-    Computed in float32 even under autocast: 2 mm matter at the border of the range. Outputs x, y, z, then x and y in
-    the heading frame, which terrain keeps to.
+    Computed in float32 even under autocast: 2 mm matter at the border of the range.
     """
 
-    CHANNELS = 5
+    CHANNELS = 3
 
     def __init__(self, layout: LegLayout) -> None:
         super().__init__()
-        self._foot_radius = layout.foot_radius / layout.height_range
-        offsets = torch.from_numpy(cell_offsets(CELLS, layout.resolution) / layout.height_range).float()
-        self.register_buffer("xy", offsets.permute(2, 0, 1)[None].contiguous(), persistent=False)
-        self.register_buffer("heading_xy", torch.eye(3)[None, :2], persistent=False)
+        # Feet at the depth 0 in the heading frame; depth takes them down.
+        feet = torch.empty(3, CELLS**2)
+        feet[:2] = torch.from_numpy(cell_offsets(CELLS, layout.resolution).reshape(-1, 2).T / layout.height_range)
+        feet[2] = layout.foot_radius / layout.height_range
+        self.register_buffer("feet", feet, persistent=False)
+        self.register_buffer("down", torch.tensor([[0.0], [0.0], [-1.0]]), persistent=False)
 
     def forward(self, depth: Tensor, tilt: Tensor) -> Tensor:
-        """(n, 1, 40, 40) depth, (n, 3, 3) footsel.learning.tilt.tilt_matrix -> (n, 5, 40, 40)."""
+        """(n, 1, 1600) depth, (n, 3, 3) footsel.learning.tilt -> (n, 3, 1600)."""
         with float32():
-            xy = self.get_buffer("xy").expand(depth.shape[0], -1, -1, -1)
-            heading_xy = self.get_buffer("heading_xy").expand(depth.shape[0], -1, -1)
-            feet = torch.cat([xy, self._foot_radius - depth], dim=1)  # (n, 3, 40, 40) in the heading frame
-            return turned(torch.cat([tilt.mT, heading_xy], dim=1), feet)
+            return tilt.mT @ (self.get_buffer("feet") + depth * self.get_buffer("down"))

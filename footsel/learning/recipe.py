@@ -5,6 +5,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
 from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ else:
 
 #: footsel.learning.erfnet, footsel.learning.footnet. What the latter sees beside the input planes.
 ARCHITECTURES = ("erfnet", "footnet")
-FEATURES = ("drops", "rises", "place", "clearance")
+FEATURES = ("place", "posture", "clearance", "footing")
 
 #: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
 RECIPES = ("paper", "footsel")
@@ -42,7 +43,8 @@ class Recipe:
     class_weights: "paper" or "none". calibrated: whether the weights' tilt towards rare classes is taken out of the
         trained network's logits again. ema_decay: of the weights' moving average, per update; 0 keeps none.
     precision: "auto", "float32" or "bfloat16" arithmetic of the forward pass.
-    architecture: "erfnet" or "footnet"; for the latter widths, blocks, features (footsel.learning.footnet.FootNet).
+    architecture: "erfnet" or "footnet"; for the latter cells, widths, blocks and features
+        (footsel.learning.footnet.FootNet).
     balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
     ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
     noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells
@@ -64,6 +66,7 @@ class Recipe:
     decay: float | None = None
     decay_epochs: int | None = None
     architecture: str = "erfnet"
+    cells: tuple[int, ...] = ()
     widths: tuple[int, ...] = ()
     blocks: tuple[int, ...] = ()
     features: tuple[str, ...] = ()
@@ -75,7 +78,7 @@ class Recipe:
     holes: float = 0.0
 
     def __post_init__(self) -> None:
-        for key in ("planes", "widths", "blocks", "features"):
+        for key in ("planes", "cells", "widths", "blocks", "features"):
             object.__setattr__(self, key, tuple(getattr(self, key)))
         InputEncoding(self.planes)
         for key, known in _CHOICES.items():
@@ -103,23 +106,22 @@ class Recipe:
 
     def _check_network(self) -> None:
         if self.architecture == "erfnet":
-            for key in ("widths", "blocks", "features"):
+            for key in ("cells", "widths", "blocks", "features"):
                 self._check(key, not getattr(self, key), "none: ERFNet has its own")
             self._check("balls", self.balls == 0, "none: ERFNet has its own")
             self._check("reason_weight", self.reason_weight == 0, "0: ERFNet has one output")
             return
         self._check("balls", _is_whole(self.balls) and self.balls >= 0, "a number, 0 for all")
-        whole = len(self.widths) == 4 and all(_is_whole(width) and width > 0 for width in self.widths)
-        self._check(
-            "widths", whole and self.widths[1] < self.widths[2] < self.widths[3], "four, the last three growing"
-        )
+        whole = all(_is_whole(width) and width > 0 for width in (*self.cells, *self.widths))
+        self._check("cells", whole and len(self.cells) >= 1, "numbers of channels, one or more")
+        sides = (*self.cells[-1:], *self.widths)
+        growing = all(one < other for one, other in pairwise(sides))
+        self._check("widths", whole and len(self.widths) <= 2 and growing, "at most two, more than the last of cells")
         counts = all(_is_whole(count) and count >= 0 for count in self.blocks)
-        self._check("blocks", len(self.blocks) == 3 and counts, "three numbers of residual layers")
+        self._check("blocks", len(self.blocks) == len(sides) and counts, "a number for 40x40 and for each of widths")
         for feature in self.features:
             if feature not in FEATURES:
                 raise UnknownNameError(f"feature of recipe {self.name}", feature, FEATURES)
-        placed = "clearance" not in self.features or "place" in self.features
-        self._check("features", placed, '"place" with "clearance", which builds on it')
 
     def _check(self, key: str, good: bool, expected: str) -> None:
         if not good:

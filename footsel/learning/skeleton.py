@@ -42,6 +42,11 @@ class LegSkeleton:
     balls: NDArray[np.float64]
     radius: NDArray[np.float64]
 
+    @property
+    def length(self) -> float:
+        """Of the stretched leg, in [m]."""
+        return float(np.linalg.norm(self.thigh) + np.linalg.norm(self.shank))
+
     @classmethod
     def of(cls, robot: Robot, leg: str) -> "LegSkeleton":
         """The leg `leg` of a robot, with balls in the bodies that the oracle holds against the terrain."""

@@ -1,24 +1,38 @@
 """The base's tilt as a network's fixed layers need it."""
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
+from torch.nn import functional
 
 from footsel.footholds.encoding import TILT_RANGE
+from footsel.learning.float32 import float32
+
+#: Every entry of Ry(pitch) Rx(roll) is a product of two of: cosines of roll and pitch, their sines, and 1, or of their
+#: negatives. Row by row, which two.
+_FIRST = ("cos_pitch", "sin_pitch", "sin_pitch", "0", "1", "1", "-sin_pitch", "cos_pitch", "cos_pitch")
+_SECOND = ("1", "sin_roll", "cos_roll", "0", "cos_roll", "-sin_roll", "1", "sin_roll", "cos_roll")
+_FUNCTIONS = ("cos_roll", "cos_pitch", "sin_roll", "sin_pitch", "1")
 
 
-def tilt_matrix(roll: Tensor, pitch: Tensor) -> Tensor:
-    """(n, 3, 3) from base to heading frame, Ry(pitch) Rx(roll), as footsel.footholds.pose.tilt_rotation.
+class Tilt(nn.Module):
+    """Rotation from base to heading frame, as footsel.footholds.pose.tilt_rotation, in float32 even under autocast."""
 
-    roll, pitch: (n, 1, 1, 1) tilt planes in [-1, 1].
-    """
-    roll, pitch = roll * TILT_RANGE, pitch * TILT_RANGE
-    cos_roll, sin_roll, cos_pitch, sin_pitch = roll.cos(), roll.sin(), pitch.cos(), pitch.sin()
-    entries = [cos_pitch, sin_pitch * sin_roll, sin_pitch * cos_roll]
-    entries += [torch.zeros_like(roll), cos_roll, -sin_roll]
-    entries += [-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll]
-    return torch.cat(entries, dim=1).reshape(-1, 3, 3)
+    def __init__(self) -> None:
+        super().__init__()
+        for name, factors in (("first", _FIRST), ("second", _SECOND)):
+            weight = torch.zeros(len(factors), len(_FUNCTIONS))
+            for entry, factor in enumerate(factors):
+                if factor != "0":
+                    weight[entry, _FUNCTIONS.index(factor.lstrip("-"))] = -1 if factor.startswith("-") else 1
+            self.register_buffer(name, weight, persistent=False)
 
-
-def turned(matrix: Tensor, vectors: Tensor) -> Tensor:
-    """(n, m, ...) = matrix (n, m, k) times vectors (n, k, ...): one product for a whole map."""
-    return (matrix @ vectors.flatten(2)).reshape(-1, matrix.shape[1], *vectors.shape[2:])
+    def forward(self, planes: Tensor) -> Tensor:
+        """(n, 2, 1, 1) roll and pitch as the input shows them, in [-1, 1] -> (n, 3, 3)."""
+        with float32():
+            angles = planes.flatten(1) * TILT_RANGE
+            functions = torch.cat([angles.cos(), angles.sin()], dim=1)
+            first, second = (
+                functional.linear(functions, weight[:, :4], weight[:, 4])
+                for weight in (self.get_buffer("first"), self.get_buffer("second"))
+            )
+            return (first * second).reshape(-1, 3, 3)

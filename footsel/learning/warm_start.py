@@ -15,7 +15,7 @@ from footsel.learning.skeleton import LegSkeleton
 from footsel.runtime.model_folder import checksum, find_model_folder
 
 #: What must be the same in both recipes for weights to fit.
-_SHAPE = ("architecture", "planes", "widths", "blocks", "features", "balls")
+_SHAPE = ("architecture", "planes", "cells", "widths", "blocks", "features", "balls")
 
 
 def find_weights(start: str | Path, pair: str) -> Path:

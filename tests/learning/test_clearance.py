@@ -9,14 +9,18 @@ from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
 from footsel.learning.clearance import LARGEST_CLEARANCE, LegClearance
 from footsel.learning.place import Place
+from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
-from footsel.learning.tilt import tilt_matrix
+from footsel.learning.tilt import Tilt
 from footsel.legs import LEGS
 from footsel.oracle import Oracle
 from footsel.oracle.swing_bodies import SwingBodies
 from footsel.robot import load_robot
 from footsel.terrain.courses import make_course
 from footsel.terrain.local_map import cell_offsets
+
+#: Of clearances, in [m].
+UNIT = LARGEST_CLEARANCE * 0.02
 
 PLANES = ("height", "unknown", "roll", "pitch")
 TILTS = [(0.0, 0.0), (0.2, -0.1), (-0.15, 0.25)]
@@ -29,13 +33,14 @@ def robot():
 
 def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
     """(balls, 40, 40) in [m], and the layer that made them."""
-    layer = LegClearance(robot.layout, skeleton or LegSkeleton.of(robot, leg))
+    skeleton = skeleton or LegSkeleton.of(robot, leg)
+    layer = LegClearance(robot.layout, skeleton)
     encode = InputEncoding(PLANES, False, robot.layout.height_range).encode
     maps = torch.from_numpy(encode(heights[None], roll, pitch))
-    depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], tilt_matrix(maps[:, 2:3, :1, :1], maps[:, 3:4, :1, :1])
-    place = Place(robot.layout)(depth, tilt)
-    found = layer(place, depth, known, tilt)[0].numpy()
-    return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, place, tilt)
+    depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], Tilt()(maps[:, 2:, :1, :1])
+    posture = Posture(skeleton, robot.layout.height_range)(Place(robot.layout)(depth.flatten(2), tilt))
+    found = layer(posture, tilt, depth, known)[0].reshape(-1, 40, 40).numpy()
+    return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, posture, tilt)
 
 
 @pytest.mark.parametrize("leg", LEGS)
@@ -43,15 +48,16 @@ def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
 def test_balls_are_in_the_bodies(robot, leg, roll, pitch):
     """Where the oracle's own kinematics put the bodies, the balls lie, the same in body axes for every foothold."""
     heights = np.random.default_rng(0).uniform(-0.6, -0.3, (40, 40)).astype(np.float32)
-    _, (layer, place, tilt) = clearances(robot, leg, heights, roll, pitch)
-    where = layer.centres(place, tilt)[0].reshape(3, -1, 40, 40).numpy()
+    _, (layer, posture, tilt) = clearances(robot, leg, heights, roll, pitch)
+    where = layer.centres(posture, tilt)[0].reshape(3, -1, 40, 40).numpy()
     where[:2] = (where[:2] - 19.5) * 0.02
+    where[2] *= UNIT
     tilt = tilt_rotation(roll, pitch)
     feet = np.concatenate([cell_offsets(40, 0.02), (heights + 0.031)[..., None]], axis=-1) @ tilt
     angles, reachable = robot.kinematics[leg].inverse(feet)
     cells = np.flatnonzero(reachable)[:: max(reachable.sum() // 50, 1)]
     bodies, first = SwingBodies.of(robot, leg, robot.bodies[leg].trimmed), None
-    skeleton = layer._skeleton
+    skeleton = LegSkeleton.of(robot, leg)
     for cell in cells:
         placements = bodies.placements(angles[cell])
         balls = where.reshape(3, -1, 1600)[:, :, cell].T @ tilt  # In base axes.
@@ -70,9 +76,9 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
     heights = np.random.default_rng(1).uniform(-0.6, -0.45, (40, 40)).astype(np.float32)
     heights[5:9, 20:30] = np.nan
     skeleton = LegSkeleton.of(robot, "LF")
-    found, (layer, place, tilt) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
-    centres = layer.centres(place, tilt)
-    row, column, z = centres[0].reshape(3, -1, 40, 40).numpy()
+    found, (layer, posture, tilt) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
+    centres = layer.centres(posture, tilt)
+    row, column, z = centres[0].reshape(3, -1, 40, 40).numpy() * np.array([1, 1, UNIT])[:, None, None, None]
 
     def touching(radius, a, b):
         highest = -np.inf
@@ -132,13 +138,13 @@ def test_unknown_cells_collide_with_nothing(robot):
 
 def test_nothing_is_learnt_and_nothing_is_rounded(robot):
     heights = np.full((40, 40), -0.45, dtype=np.float32)
-    exact, (layer, place, tilt) = clearances(robot, "LF", heights)
+    exact, (layer, posture, tilt) = clearances(robot, "LF", heights)
     assert not list(layer.parameters()) and not layer.state_dict()
     with torch.autocast("cpu", torch.bfloat16):
         maps = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights[None]))
-        found = layer(place.requires_grad_(), maps[:, :1], 1 - maps[:, 1:2], tilt)
+        found = layer(posture.requires_grad_(), tilt, maps[:, :1], 1 - maps[:, 1:2])
     assert found.dtype == torch.float32 and not found.requires_grad
-    np.testing.assert_allclose(found[0].numpy() * 0.1, exact, rtol=1e-6)
+    np.testing.assert_allclose(found[0].reshape(-1, 40, 40).numpy() * 0.1, exact, rtol=1e-6)
 
 
 def test_a_skeleton_survives_json(robot):

@@ -14,18 +14,18 @@ from footsel.learning.erfnet import ERFNet
 from footsel.learning.footnet import FootNet
 from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES, Recipe
-from footsel.learning.tilt import tilt_matrix
+from footsel.learning.tilt import Tilt
 from footsel.terrain.local_map import cell_offsets
 
 PLANES = ("height", "unknown", "roll", "pitch")
-WIDTHS, BLOCKS = (12, 8, 16, 24), (1, 1, 2)
+SHAPE = {"cells": (12, 8), "widths": (16, 24), "blocks": (1, 1, 2)}
 
 
 @pytest.fixture
 def network(layout, skeleton):
     def make(features=FEATURES, planes=PLANES, reasons=False):
         torch.manual_seed(0)
-        return FootNet(planes, layout, WIDTHS, BLOCKS, features, reasons, skeleton).eval()
+        return FootNet(planes, layout, skeleton, **SHAPE, features=features, reasons=reasons).eval()
 
     return make
 
@@ -37,17 +37,16 @@ def test_places_are_foot_centres_in_base_axes(layout, bfloat16):
     roll, pitch = np.array([0.0, 0.17, -0.11]), np.array([0.12, 0.0, -0.15])
     encoded = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights, roll, pitch))
     with torch.autocast("cpu", torch.bfloat16, enabled=bfloat16):
-        place = Place(layout)(encoded[:, :1], tilt_matrix(encoded[:, 2:3, :1, :1], encoded[:, 3:4, :1, :1]))
+        place = Place(layout)(encoded[:, :1].flatten(2), Tilt()(encoded[:, 2:, :1, :1]))
     offsets = np.broadcast_to(cell_offsets(40, layout.resolution), (3, 40, 40, 2))
     centres = np.concatenate([offsets, (heights + layout.foot_radius)[..., None]], axis=-1)
     for index in range(3):
         expected = centres[index] @ tilt_rotation(roll[index], pitch[index])  # R^T p, for rows
-        found = place[index, :3].permute(1, 2, 0).numpy() * layout.height_range
+        found = place[index].T.reshape(40, 40, 3).numpy() * layout.height_range
         np.testing.assert_allclose(found, expected, atol=1e-6)
-        np.testing.assert_allclose(place[index, 3:].permute(1, 2, 0).numpy() * 0.85, offsets[index], atol=1e-6)
 
 
-@pytest.mark.parametrize("features", [(), ("drops",), ("rises", "place"), ("place", "clearance"), FEATURES])
+@pytest.mark.parametrize("features", [(), ("footing",), ("clearance",), ("place", "posture"), FEATURES])
 @pytest.mark.parametrize("planes", [("height",), PLANES])
 def test_every_cell_gets_fourteen_logits(network, features, planes):
     net = network(features, planes)
@@ -59,12 +58,9 @@ def test_every_cell_gets_fourteen_logits(network, features, planes):
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_a_feature_that_is_left_out_is_gone(network, feature):
-    builds_on_it = {"place": {"clearance"}}.get(feature, set())
-    without = network([name for name in FEATURES if name not in {feature, *builds_on_it}])
-    whole = network()
-    assert getattr(whole, feature) is not None and getattr(without, feature) is None
-    count = [sum(p.numel() for p in net.parameters()) for net in (whole, without)]
-    assert count[1] < count[0]
+    whole, without = network(), network([name for name in FEATURES if name != feature])
+    channels = whole.geometry(torch.rand(1, 4, 40, 40))[feature].shape[1]
+    assert whole.first.in_channels - without.first.in_channels == channels > 0
 
 
 def test_millimetres_are_seen_under_autocast(network):
@@ -77,7 +73,7 @@ def test_millimetres_are_seen_under_autocast(network):
     maps = torch.from_numpy(encode(flat)), torch.from_numpy(encode(step))
     assert torch.equal(*(image[:, 0].bfloat16() for image in maps))
     with torch.autocast("cpu", torch.bfloat16):
-        cells = [net._cells(image) for image in maps]
+        cells = [net._first(image) for image in maps]
     assert (cells[0] - cells[1])[0, :, 18:22].abs().max() > 1e-3
 
 
@@ -96,7 +92,7 @@ def test_reasons_are_learnt_beside_and_can_go(network):
 def test_no_constant_is_stored_with_the_weights(network):
     """They follow from the layout, so a file is small and cannot contradict it."""
     buffers = {name for name, _ in network().named_buffers()} - set(network().state_dict())
-    assert {"drops.weight", "drops.bias", "place.xy", "known_shares.weight", "clearance.leg_axes"} <= buffers
+    assert {"footing.drops.weight", "footing.peaks", "place.feet", "posture.weight", "clearance.leg_axes"} <= buffers
 
 
 @pytest.mark.parametrize("architecture", ["erfnet", "footnet"])
@@ -112,6 +108,14 @@ def test_the_named_bias_is_added_to_the_logits(layout, skeleton, architecture):
 
 
 def test_a_recipe_sets_widths_and_blocks(layout, skeleton):
-    recipe = replace(Recipe.load("footsel"), widths=(16, 8, 16, 24), blocks=(0, 1, 3))
+    recipe = replace(Recipe.load("footsel"), cells=(16, 12, 8), widths=(16, 24), blocks=(0, 1, 3))
     net = build_network(recipe, layout, skeleton)
-    assert net.head.in_channels == 8 and [len(stage) for stage in (net.fine, net.middle, net.coarse)] == [0, 1, 3]
+    assert net.first.out_channels == 16 and net.head.in_channels == 8 and len(net.cells) == 3
+    assert [len(stage) for stage in net.stages] == [0, 1, 3]
+
+    maps = torch.rand(1, 4, 40, 40)
+    alone = build_network(replace(recipe, widths=(), blocks=(0,)), layout, skeleton).eval()
+    changed = maps.clone()
+    changed[:, 0, 0, 0] += 0.1
+    far = torch.equal(alone(maps)[..., 30:, 30:], alone(changed)[..., 30:, 30:])
+    assert far, "without context a cell sees no further than its leg"
