@@ -42,10 +42,9 @@ def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[N
     """(cells, balls) clearances and (cells,) whether the leg collides, of the cells in range on some maps."""
     some = samples.take(np.linspace(0, len(samples) - 1, min(MAPS, len(samples))).astype(np.intp))
     encoding = InputEncoding(("height", "unknown", "roll", "pitch"), False, layout.height_range)
-    height, unknown, roll, pitch = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch)).chunk(
-        4, dim=1
-    )
-    tilt = Tilt()(torch.cat([roll, pitch], dim=1)[:, :, :1, :1])
+    maps = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch))
+    height, unknown = maps[:, :1], maps[:, 1:2]
+    tilt = Tilt(encoding.planes)(maps)
     posture = Posture(skeleton, layout.height_range)(Place(layout)(height.flatten(2), tilt))
     clearance = LegClearance(layout, skeleton)(posture, tilt, height, 1 - unknown).mT.numpy()
     collides = some.reason == Reason.TERRAIN_COLLISION

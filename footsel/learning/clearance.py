@@ -14,6 +14,8 @@ from footsel.terrain import CELLS
 
 #: A clearance counts up to this either way, in cells of the local map: 10 cm for ANYmal.
 LARGEST_CLEARANCE = 5.0
+#: Largest row and column of a look-up, just short of the last cell, which so is the second of two. [cells]
+LAST = float(np.nextafter(np.float32(CELLS - 1), np.float32(0)))
 #: Of what a ball does not touch, in [m].
 FAR_BELOW = 10.0
 
@@ -53,7 +55,7 @@ class LegClearance(nn.Module):
         (n, channels, 1600)."""
         with float32():
             centres = self.centres(posture, tilt)
-            clearance = centres[:, 2] - self._look_up(self._surfaces(depth, known), centres[:, :2])
+            clearance = centres[:, 2:] - self._look_up(self._surfaces(depth, known), centres[:, :2])
             return clearance.clamp(-1, 1).reshape(-1, self.channels, CELLS**2)
 
     def centres(self, posture: Tensor, tilt: Tensor) -> Tensor:
@@ -72,20 +74,20 @@ class LegClearance(nn.Module):
         return centres
 
     def _look_up(self, surfaces: Tensor, at: Tensor) -> Tensor:
-        """(n, channels * 1600) of each ball's surface at (n, 2, channels * 1600) rows and columns.
+        """(n, 1, channels * 1600) of each ball's surface at (n, 2, channels * 1600) rows and columns.
 
         Bilinear, and so continuous: rounding decides nothing, and engines that round differently agree.
         """
-        at = at.clamp(0, CELLS - 1)
+        at = at.clamp(0.0, LAST)
         # The cell whose corner is the least of four; surfaces lie one after the other.
-        corner = at.floor().clamp(max=CELLS - 2)
-        along, across = (at - corner).unbind(dim=1)
-        index = ((self.get_buffer("index") @ corner).squeeze(1) + self.get_buffer("first_index")).long()
+        corner = at.floor()
+        along, across = (at - corner).chunk(2, dim=1)
+        index = (self.get_buffer("index") @ corner + self.get_buffer("first_index")).long()
         # Values there, and by how much they change over a row, over a column and over both.
-        values = surfaces.flatten(1)
-        down, right = values[:, CELLS:] - values[:, :-CELLS], values[:, 1:] - values[:, :-1]
-        twist = down[:, 1:] - down[:, :-1]
-        value, down, right, twist = (torch.gather(part, 1, index) for part in (values, down, right, twist))
+        values = surfaces.reshape(-1, 1, surfaces.shape[1] * CELLS**2)
+        down, right = values[..., CELLS:] - values[..., :-CELLS], values[..., 1:] - values[..., :-1]
+        twist = down[..., 1:] - down[..., :-1]
+        value, down, right, twist = (torch.gather(part, 2, index) for part in (values, down, right, twist))
         return value + along * down + across * (right + along * twist)
 
     def _surfaces(self, depth: Tensor, known: Tensor) -> Tensor:

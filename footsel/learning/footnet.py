@@ -62,7 +62,7 @@ class FootNet(FootholdNetwork):
         self._planes = tuple(planes)
         self.features = tuple(features)
         # Posture and clearance build on what comes before them, whether the network sees that or not.
-        self.tilt = Tilt()
+        self.tilt = Tilt(planes)
         self.place = Place(layout)
         self.posture = Posture(skeleton, layout.height_range)
         self.clearance = LegClearance(layout, skeleton) if "clearance" in features else None
@@ -117,7 +117,7 @@ class FootNet(FootholdNetwork):
         """The planes of the fixed layers, each (n, ..., 1600), by name."""
         depth = self._plane(maps, "height")
         known = 1 - self._plane(maps, "unknown")
-        tilt = self.tilt(torch.cat([self._plane(maps, name)[:, :, :1, :1] for name in ("roll", "pitch")], dim=1))
+        tilt = self.tilt(maps)
         seen = {"place": self.place(depth.flatten(2), tilt)}
         seen["posture"] = self.posture(seen["place"])
         if self.clearance is not None:

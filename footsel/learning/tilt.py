@@ -1,5 +1,7 @@
 """The base's tilt as a network's fixed layers need it."""
 
+from collections.abc import Sequence
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
@@ -15,10 +17,18 @@ _FUNCTIONS = ("cos_roll", "cos_pitch", "sin_roll", "sin_pitch", "1")
 
 
 class Tilt(nn.Module):
-    """Rotation from base to heading frame, as footsel.footholds.pose.tilt_rotation, in float32 even under autocast."""
+    """Rotation from base to heading frame, as footsel.footholds.pose.tilt_rotation, in float32 even under autocast.
 
-    def __init__(self) -> None:
+    planes: names of the input's, "roll" and "pitch" maybe among them; an angle without a plane is zero.
+    """
+
+    def __init__(self, planes: Sequence[str]) -> None:
         super().__init__()
+        angles = torch.zeros(len(planes), 2)
+        for column, name in enumerate(("roll", "pitch")):
+            if name in planes:
+                angles[planes.index(name), column] = TILT_RANGE
+        self.register_buffer("angles", angles, persistent=False)
         for name, factors in (("first", _FIRST), ("second", _SECOND)):
             weight = torch.zeros(len(factors), len(_FUNCTIONS))
             for entry, factor in enumerate(factors):
@@ -26,10 +36,10 @@ class Tilt(nn.Module):
                     weight[entry, _FUNCTIONS.index(factor.lstrip("-"))] = -1 if factor.startswith("-") else 1
             self.register_buffer(name, weight, persistent=False)
 
-    def forward(self, planes: Tensor) -> Tensor:
-        """(n, 2, 1, 1) roll and pitch as the input shows them, in [-1, 1] -> (n, 3, 3)."""
+    def forward(self, maps: Tensor) -> Tensor:
+        """(n, planes, 40, 40) network input, whose tilt planes are the same all over -> (n, 3, 3)."""
         with float32():
-            angles = planes.flatten(1) * TILT_RANGE
+            angles = maps[:, :, 0, 0] @ self.get_buffer("angles")
             functions = torch.cat([angles.cos(), angles.sin()], dim=1)
             first, second = (
                 functional.linear(functions, weight[:, :4], weight[:, 4])

@@ -94,7 +94,7 @@ class Answers:
     def as_arrays(self, legs: Sequence[str]) -> ManyFootholds:
         """The cheapest candidates of all, the legs in this order; frames come leg after leg, all poses of each."""
         m = len(self.frames.legs)
-        rows, best = np.arange(m), self.final_costs.best()
+        rows, best = np.arange(m), self.final_costs.best
         total = self.final_costs.total[rows, best]
         found = np.isfinite(total)
         i, j = np.divmod(best, CELLS)

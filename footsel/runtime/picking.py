@@ -4,6 +4,7 @@ All is in the mirrored maps of LegFrames; only what is picked is turned into cel
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +26,11 @@ class FinalCosts:
     total: NDArray[np.float32]
     distances: NDArray[np.float32]
 
+    @cached_property
     def best(self) -> NDArray[np.intp]:
         """(m,) flat index of the cheapest cell of each leg; equal costs go to the cell nearer to N_i."""
         best = self.total.argmin(axis=1)
-        equal = self.total == np.take_along_axis(self.total, best[:, None], axis=1)
+        equal = self.total == self.total[np.arange(len(best)), best, None]
         # Rare but on level ground, where costs repeat from row to row.
         if np.count_nonzero(equal) > len(best):
             best = np.where(equal, self.distances, np.inf).argmin(axis=1)
@@ -38,7 +40,7 @@ class FinalCosts:
         """Flat indices of one leg's cells that may be chosen, cheapest first, at most `most`."""
         total = self.total[leg]
         if most == 1:
-            best = int(FinalCosts(total[None], self.distances[leg : leg + 1]).best()[0])
+            best = int(self.best[leg])
             return [best] if np.isfinite(total[best]) else []
         cells = ranked_cells(total.reshape(CELLS, CELLS), self.distances[leg], most)
         return [i * CELLS + j for i, j in cells.tolist()]

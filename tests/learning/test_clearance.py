@@ -37,7 +37,7 @@ def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
     layer = LegClearance(robot.layout, skeleton)
     encode = InputEncoding(PLANES, False, robot.layout.height_range).encode
     maps = torch.from_numpy(encode(heights[None], roll, pitch))
-    depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], Tilt()(maps[:, 2:, :1, :1])
+    depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], Tilt(PLANES)(maps)
     posture = Posture(skeleton, robot.layout.height_range)(Place(robot.layout)(depth.flatten(2), tilt))
     found = layer(posture, tilt, depth, known)[0].reshape(-1, 40, 40).numpy()
     return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, posture, tilt)

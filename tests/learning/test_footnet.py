@@ -37,7 +37,7 @@ def test_places_are_foot_centres_in_base_axes(layout, bfloat16):
     roll, pitch = np.array([0.0, 0.17, -0.11]), np.array([0.12, 0.0, -0.15])
     encoded = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights, roll, pitch))
     with torch.autocast("cpu", torch.bfloat16, enabled=bfloat16):
-        place = Place(layout)(encoded[:, :1].flatten(2), Tilt()(encoded[:, 2:, :1, :1]))
+        place = Place(layout)(encoded[:, :1].flatten(2), Tilt(PLANES)(encoded))
     offsets = np.broadcast_to(cell_offsets(40, layout.resolution), (3, 40, 40, 2))
     centres = np.concatenate([offsets, (heights + layout.foot_radius)[..., None]], axis=-1)
     for index in range(3):

@@ -24,7 +24,7 @@ def postures(leg, heights):
     """(10, 1600) planes, (1600, 3) angles by the oracle and whether it finds any."""
     layout = ROBOT.layout
     depth = torch.from_numpy(-heights / layout.height_range).reshape(1, 1, -1)
-    tilt = Tilt()(torch.tensor(TILT).reshape(1, 2, 1, 1) / TILT_RANGE)
+    tilt = Tilt(("roll", "pitch"))(torch.tensor(TILT).reshape(1, 2, 1, 1) / TILT_RANGE)
     place = Place(layout)(depth, tilt)
     found = Posture(LegSkeleton.of(ROBOT, leg), layout.height_range)(place)[0].numpy().astype(np.float64)
     feet = np.concatenate([cell_offsets(40, 0.02), (heights + layout.foot_radius)[..., None]], axis=-1)
@@ -74,7 +74,8 @@ def test_nothing_is_learnt_and_nothing_is_rounded():
 
 def test_the_tilt_is_that_of_the_base():
     rolls, pitches = torch.tensor([0.3, -0.8]), torch.tensor([0.0, 0.9])
-    matrices = Tilt()(torch.stack([rolls, pitches], dim=1)[..., None, None])
+    matrices = Tilt(("pitch", "height", "roll"))(torch.stack([pitches, rolls, rolls], dim=1)[..., None, None])
     for matrix, roll, pitch in zip(matrices, rolls, pitches, strict=True):
         expected = tilt_rotation(float(roll) * TILT_RANGE, float(pitch) * TILT_RANGE)
         np.testing.assert_allclose(matrix, expected, atol=1e-6)
+    torch.testing.assert_close(Tilt(("height",))(torch.rand(2, 1, 40, 40)), torch.eye(3).expand(2, 3, 3))

@@ -15,7 +15,7 @@ def test_equal_costs_go_to_the_nearer_cell():
     total[rng.random(total.shape) < 0.3] = np.inf
     total[7] = np.inf
     costs = final_costs(total, rng.random(total.shape))
-    best = costs.best()
+    best = costs.best
     for leg in range(50):
         if leg == 7:
             assert costs.ranked(leg, 1) == costs.ranked(leg, 5) == []
@@ -28,4 +28,4 @@ def test_equal_costs_go_to_the_nearer_cell():
 def test_without_ties_it_is_the_cheapest():
     rng = np.random.default_rng(1)
     costs = final_costs(rng.random((4, 1600)), rng.random((4, 1600)))
-    np.testing.assert_array_equal(costs.best(), costs.total.argmin(axis=1))
+    np.testing.assert_array_equal(costs.best, costs.total.argmin(axis=1))
