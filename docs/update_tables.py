@@ -25,6 +25,7 @@ COMMANDS = {
     "dataset.json": "python docs/measure_dataset.py",
     "degraded.json": "python docs/judge.py degraded",
     "held_out.json": "python docs/judge.py held_out",
+    "int8.json": "python docs/judge_int8.py",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
     "paper.json": "python docs/judge.py paper",
@@ -208,6 +209,36 @@ def comparison(file: str) -> str:
         f"{percent(cells['false_unsafe_rate'])}.\n"
     )
     return table(["selector", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
+
+
+def eight_bits() -> str:
+    """The 8-bit variant beside float32."""
+    result = read(RESULTS / "int8.json")
+    rows = []
+    for ground, found in result["grounds"].items():
+        for name, picks in found["selectors"].items():
+            rows.append(
+                [
+                    f"{ground}, `{name}`",
+                    f"{picks['picks']:,}",
+                    percent(picks["infeasible_rate"]),
+                    f"{picks['missed']:,}",
+                    number(picks["regret_mean"], 2),
+                    number(picks["regret_p95"]),
+                ]
+            )
+    limits = result["limits"]
+    verdicts = ", ".join(
+        f"on {ground} by {found['worse_by']['regret_mean']:+.2f} in mean regret and by "
+        f"{100 * found['worse_by']['infeasible_rate']:+.2f} points in infeasible picks"
+        for ground, found in result["grounds"].items()
+    )
+    kept = "within" if all(found["within_limits"] for found in result["grounds"].values()) else "beyond"
+    sentence = (
+        f"\nEight bits are worse {verdicts}: {kept} the limits of {limits['regret_mean']:g} and "
+        f"{100 * limits['infeasible_rate']:g}.\n"
+    )
+    return table(["", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
 
 
 def speed() -> str:
@@ -490,6 +521,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "terrain": speed_by_terrain,
         "stages": speed_by_stage,
     },
+    "docs/runtime.md": {"eight bits": eight_bits},
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
 
