@@ -82,3 +82,13 @@ def test_engines_answer_alike(released, anymal_layout, pair):
         np.testing.assert_allclose(
             engine.logits(planes), network.logits(maps.heights, maps.roll, maps.pitch), atol=2e-3
         )
+
+
+def test_one_cell_in_millions_may_be_more_than_a_tie(anymal_layout, handmade):
+    """It is counted, and nothing is refused for it; two in a million are."""
+    parity = Parity(handmade.constant_model(handmade.contract(anymal_layout)), "front.onnx", 1)
+    parity.logits = LogitDifferences(maps=1000, cells=1_600_000, class_differs=1, class_differs_beyond_ties=1)
+    parity.require_classes()
+    parity.logits.class_differs_beyond_ties = 2
+    with pytest.raises(ModelError, match="in 2 of 1600000 cells"):
+        parity.require_classes()
