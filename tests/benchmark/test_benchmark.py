@@ -11,7 +11,7 @@ import onnx
 import pytest
 import torch
 
-from footsel.benchmark import BenchmarkSize, histogram, models
+from footsel.benchmark import BenchmarkSize, as_table, histogram, models
 from footsel.benchmark.cases import MOST_TILT, make_cases
 from footsel.benchmark.cpp import time_cpp
 from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
@@ -236,3 +236,30 @@ def test_one_core_is_given_back():
         sum(range(200_000))
     assert os.sched_getaffinity(0) == before
     assert 0 < use.cores < 1.2
+
+
+def test_the_table_has_cpp_and_baselines_beside_the_variants():
+    times = {"p50": 1.0, "p99": 2.0, "p999": 3.0}
+    each = {"network_ms": times, "select_one_leg_ms": times, "select_four_legs_ms": times}
+    text = as_table(
+        {
+            "cpu": "a CPU",
+            "default": "float32",
+            "models": {"float32": each, "int8": each},
+            "cpp": {"float32": {**each, "maps_per_second": {"1": 1234.0, "256": 2345.0}}},
+            "baselines": {
+                "onnxruntime_unsimplified": {"network_ms": times},
+                "onnxruntime_default_options": {"network_ms": times, "in_turns_with_it": times},
+            },
+            "maps_per_second": {"float32": {"one_core": {"1": 1000.0, "256": 2000.0}}},
+        }
+    )
+    rows = {line[:34].strip(): line[34:].split() for line in text.splitlines()}
+    for name in (
+        "int8: select four legs",
+        "C++, float32: select four legs",
+        "onnxruntime unsimplified: network",
+        "ours in turns with it",
+    ):
+        assert rows[name] == ["1.000", "2.000", "3.000"]
+    assert rows["C++, float32: one core"] == ["1234", "2345"]
