@@ -9,16 +9,17 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constr
 # A release tarball of onnxruntime, unpacked; without one, a folder like it is made from packages.
 ONNXRUNTIME_ROOT ?= build/onnxruntime
 
-.PHONY: cpp demo test test-slow verify verify-pybullet verify-meshes lint types contracts check bench clean help
+.PHONY: cpp demo test test-slow verify verify-pybullet verify-meshes lint types contracts check bench bench-full clean help
 
 help:
 	@echo "make demo       compare the oracle, the network and baselines on built-in courses; writes demo/report.html"
 	@echo "make test       the fast tests"
-	@echo "make test-slow  what depends on a quiet machine"
+	@echo "make test-slow  what takes minutes: a million calls, the wheel where there was nothing"
 	@echo "make verify     the fast oracle against the brute-force reference (some 20 minutes; killed, it goes on later)"
 	@echo "make verify-pybullet, make verify-meshes   its collisions against PyBullet's contacts, against full meshes"
 	@echo "make check      lint, types, import contracts"
 	@echo "make bench      latency of every stage on this machine"
+	@echo "make bench-full the same with torch, C++ and 100,000 calls, for our pages (half an hour; killed, it goes on)"
 	@echo "make cpp        the C++ library's programs, in build/cpp (ONNXRUNTIME_ROOT=... for an onnxruntime of your own)"
 
 # A stamp per set of packages: a venv is filled again only if what it should hold has changed.
@@ -67,6 +68,10 @@ check: lint types contracts
 
 bench: $(VENV)/demo.stamp
 	$(BIN)/footsel bench --out bench.json
+
+bench-full: $(VENV)/dev.stamp cpp
+	$(BIN)/footsel bench --run export/anymal_b --histogram 100000 --plot docs/figures/latency.png --out docs/results/bench.json
+	$(BIN)/python docs/update_tables.py
 
 # Asked every time: it sees itself whether it is complete.
 .PHONY: build/onnxruntime

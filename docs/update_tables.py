@@ -5,6 +5,7 @@ README names. export/anymal_b/metrics.json is written by `footsel export`, foots
 terrain-cost fit`. Where a file is missing, the page says what would make it.
 """
 
+import errno
 import json
 import re
 import sys
@@ -20,11 +21,12 @@ TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
 #: What writes a file of docs/results.
 COMMANDS = {
     "ablations.json": "python docs/ablations.py",
-    "bench.json": "make bench",
+    "bench.json": "make bench-full",
     "courses.json": "footsel compare",
     "dataset.json": "python docs/measure_dataset.py",
     "degraded.json": "python docs/judge.py degraded",
     "held_out.json": "python docs/judge.py held_out",
+    "int8.json": "python docs/judge_int8.py",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
     "paper.json": "python docs/judge.py paper",
@@ -210,6 +212,36 @@ def comparison(file: str) -> str:
     return table(["selector", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
 
 
+def eight_bits() -> str:
+    """The 8-bit variant beside float32."""
+    result = read(RESULTS / "int8.json")
+    rows = []
+    for ground, found in result["grounds"].items():
+        for name, picks in found["selectors"].items():
+            rows.append(
+                [
+                    f"{ground}, `{name}`",
+                    f"{picks['picks']:,}",
+                    percent(picks["infeasible_rate"]),
+                    f"{picks['missed']:,}",
+                    number(picks["regret_mean"], 2),
+                    number(picks["regret_p95"]),
+                ]
+            )
+    limits = result["limits"]
+    verdicts = ", ".join(
+        f"on {ground} by {found['worse_by']['regret_mean']:+.2f} in mean regret and by "
+        f"{100 * found['worse_by']['infeasible_rate']:+.2f} points in infeasible picks"
+        for ground, found in result["grounds"].items()
+    )
+    kept = "within" if all(found["within_limits"] for found in result["grounds"].values()) else "beyond"
+    sentence = (
+        f"\nEight bits are worse {verdicts}: {kept} the limits of {limits['regret_mean']:g} and "
+        f"{100 * limits['infeasible_rate']:g}.\n"
+    )
+    return table(["", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
+
+
 def speed() -> str:
     """Medians of bench.json."""
     bench = read(RESULTS / "bench.json")
@@ -227,6 +259,76 @@ def speed() -> str:
         f"\nMap by map, the oracle is {bench['oracle_times_as_fast']:,} times as fast as the loop over its cells.\n"
     )
     return table([f"median on one core of {bench['cpu']}", "ms"], rows) + faster
+
+
+def of_full_benchmark(key: str) -> Any:
+    """A part of bench.json that only the full benchmark has."""
+    path = RESULTS / "bench.json"
+    try:
+        return read(path)[key]
+    except KeyError:
+        raise FileNotFoundError(errno.ENOENT, f"no {key}", str(path)) from None
+
+
+def latency() -> str:
+    """Percentiles of the runtime in Python and C++, and of the same network in other hands."""
+    cpp, bench = of_full_benchmark("cpp"), read(RESULTS / "bench.json")
+    rows: dict[str, Any] = {}
+    for variant, times in bench["models"].items():
+        for language, found in (("", times), (" in C++", cpp.get(variant, {}))):
+            for what, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
+                if key in found:
+                    rows[f"`{variant}`{language}, {what}"] = found[key]
+            if "other_core_busy" in found:
+                rows[f"`{variant}`, four legs, the other core busy"] = found["other_core_busy"]["select_four_legs_ms"]
+        rows[f"`{variant}`, the network alone"] = times["network_ms"]
+    names = {
+        "torch_eager": "the same network in torch",
+        "onnxruntime_unsimplified": "in onnxruntime, as torch exports it",
+        "onnxruntime_default_options": "in onnxruntime with its own options, all cores",
+    }
+    rows |= {names[name]: found["network_ms"] for name, found in bench["baselines"].items()}
+    rows["the exact oracle, one map"] = bench["oracle_ms_per_map"]
+    head = [f"ms on one core of {bench['cpu']}", "median", "99 %", "99.9 %"]
+    return table(
+        head, [[name, *(number(times.get(p), 2) for p in ("p50", "p99", "p999"))] for name, times in rows.items()]
+    )
+
+
+#: Bins of the histogram that one row of the page takes together.
+BINS_PER_ROW = 5
+
+
+def histogram() -> str:
+    """How the times of very many selections are spread."""
+    found = of_full_benchmark("histogram")
+    kinds = {
+        f"{words(kind)}, {words(other)}": times
+        for kind in ("one_leg", "four_legs")
+        for other, times in found[kind].items()
+    }
+    edges = found["edges_ms"][::BINS_PER_ROW]
+    rows = []
+    for row in range(len(edges) - 1):
+        bins = slice(row * BINS_PER_ROW, (row + 1) * BINS_PER_ROW)
+        counts = [sum(times["counts"][bins]) for times in kinds.values()]
+        if any(counts):
+            rows.append([f"{edges[row]:.3g} to {edges[row + 1]:.3g} ms", *(f"{count:,}" for count in counts)])
+    for key, name in {"p50": "median", "p99": "99 %", "p999": "99.9 %", "max": "longest"}.items():
+        rows.append([f"{name} [ms]", *(number(times[key], 2) for times in kinds.values())])
+    return table([f"{found['calls']:,} calls each", *kinds], rows)
+
+
+def throughput() -> str:
+    """Maps per second by batch."""
+    cpp, rates = of_full_benchmark("cpp"), read(RESULTS / "bench.json")["maps_per_second"]
+    rows = {f"`{variant}`, {words(name)}": each for variant, groups in rates.items() for name, each in groups.items()}
+    rows |= {f"`{variant}` in C++, one core": found["maps_per_second"] for variant, found in cpp.items()}
+    batches = list(next(iter(rows.values())))
+    return table(
+        ["maps per second, batch", *batches],
+        [[name, *(f"{each[batch]:,.0f}" for batch in batches)] for name, each in rows.items()],
+    )
 
 
 def speed_by_terrain() -> str:
@@ -489,6 +591,12 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "mesh bodies": mesh_bodies,
         "terrain": speed_by_terrain,
         "stages": speed_by_stage,
+    },
+    "docs/runtime.md": {
+        "latency": latency,
+        "histogram": histogram,
+        "throughput": throughput,
+        "eight bits": eight_bits,
     },
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }

@@ -129,7 +129,8 @@ def constant_folder(tmp_path: Path, anymal_layout: LegLayout) -> Callable[[int],
     """class -> folder of networks that say this class everywhere."""
 
     def make(class_: int) -> Path:
-        files = {f"{pair}.onnx": constant_model(contract(anymal_layout, pair), class_) for pair in ("front", "hind")}
+        models = {pair: constant_model(contract(anymal_layout, pair), class_) for pair in ("front", "hind")}
+        files = {f"{pair}{end}": model for pair, model in models.items() for end in (".onnx", ".int8.onnx")}
         return write_folder(tmp_path / f"constant{class_}", files)
 
     return make

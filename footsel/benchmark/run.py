@@ -1,21 +1,27 @@
 """All measurements in turn, as the values of `bench.json`."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import onnxruntime
+
 import footsel
-from footsel.benchmark.cases import make_cases
+from footsel.benchmark.baselines import time_default_options, torch_baselines
+from footsel.benchmark.cases import Case, make_cases
+from footsel.benchmark.cpp import PROGRAM, time_cpp
 from footsel.benchmark.histogram import latency_histogram
 from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
-from footsel.benchmark.models import PAIR, time_default_onnxruntime, time_models, time_torch, time_unsimplified
+from footsel.benchmark.models import PAIR, time_models
 from footsel.benchmark.multiply_adds import multiply_adds
 from footsel.benchmark.peak import matmul_gflops
 from footsel.benchmark.throughput import time_throughput
+from footsel.claim import claim_folder
 from footsel.errors import MissingExtraError
 from footsel.runtime import FootholdSelector
-from footsel.runtime.model_folder import DEFAULT_VARIANT, network_file
+from footsel.runtime.model_folder import DEFAULT_VARIANT, SUMS_FILE, checksum, network_file
 
 
 @dataclass(frozen=True)
@@ -38,13 +44,21 @@ class BenchmarkSize:
 
 
 def run_benchmark(
-    robot: str, model: Path, run: Path | None = None, size: BenchmarkSize | None = None, seed: int = 0
+    robot: str,
+    model: Path,
+    run: Path | None = None,
+    size: BenchmarkSize | None = None,
+    seed: int = 0,
+    cpp: Path = PROGRAM,
+    parts: Path | None = None,
 ) -> dict[str, Any]:
     """Measure on one core, one thread; other engines that cannot be held to it are measured after.
 
     model: folder of a released model. run: of `footsel train`, or a model folder, to measure torch too.
-    The oracle is left out where its packages are not installed.
-    Raises ModelError for a model or a run that cannot be used, MissingExtraError for a run where torch is missing.
+    cpp: the C++ library's own benchmark. parts: folder of the latency histogram, which goes on from there.
+    The oracle is left out where its packages are not installed, the C++ library where it is not built.
+    Raises ModelError for a model or a run that cannot be used, MissingExtraError for a run where torch is missing,
+    InputError for a program that fails and for parts of another configuration.
     """
     size = size or BenchmarkSize()
     layout = FootholdSelector.load(model).layout
@@ -57,24 +71,24 @@ def run_benchmark(
         "model": model.name,
         "seed": seed,
     }
-    baselines = {}
     with one_core() as model_use:
-        if run is not None:
-            few = cases[: max(size.calls // 10, 1)]
-            baselines["torch_eager"] = time_torch(run, few)
-            baselines["onnxruntime_unsimplified"] = time_unsimplified(run, model, few)
-        models = time_models(model, cases[: size.calls])
+        with torch_baselines(run, model) as others:
+            models, baselines = time_models(model, cases[: size.calls], others)
         speed = _speed(model, models)
         with other_core_busy() as spinning:
-            busy = time_models(model, cases[: size.calls]) if spinning else {}
+            busy = time_models(model, cases[: size.calls])[0] if spinning else {}
+    with one_core():
+        figures["cpp"] = _cpp_figures(cpp, model, cases[: size.calls])
     with one_core() as oracle_use:
         figures.update(_oracle_figures(robot, size, seed))
-    baselines["onnxruntime_default_options"] = time_default_onnxruntime(model, cases[: size.calls])
+    baselines["onnxruntime_default_options"] = time_default_options(model, cases[: size.calls])
     for variant, times in busy.items():
         models[variant]["other_core_busy"] = times
     figures["maps_per_second"] = time_throughput(model, PAIR, cases)
     if size.histogram_calls:
-        figures["histogram"] = latency_histogram(FootholdSelector.load(model), cases, size.histogram_calls)
+        if parts is not None:
+            claim_folder(parts, "latency histogram", _configuration(model, seed))
+        figures["histogram"] = latency_histogram(FootholdSelector.load(model), cases, size.histogram_calls, parts)
     return {
         **figures,
         **speed,
@@ -84,6 +98,24 @@ def run_benchmark(
         "models": models,
         "baselines": baselines,
     }
+
+
+def _configuration(model: Path, seed: int) -> dict[str, Any]:
+    """What all times of one histogram have in common."""
+    return {
+        "cpu": cpu_name(),
+        "version": footsel.__version__,
+        "onnxruntime": onnxruntime.__version__,
+        "model": checksum((model / SUMS_FILE).read_bytes()),
+        "seed": seed,
+    }
+
+
+def _cpp_figures(program: Path, model: Path, cases: Sequence[Case]) -> dict[str, Any]:
+    if program == PROGRAM and not program.is_file():
+        print("footsel: the C++ library is left out: it is not built (make cpp)", file=sys.stderr)
+        return {}
+    return time_cpp(program, model, cases)
 
 
 def _oracle_figures(robot: str, size: BenchmarkSize, seed: int) -> dict[str, Any]:

@@ -20,8 +20,14 @@ def as_table(figures: Mapping[str, Any]) -> str:
         for words, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
             if "other_core_busy" in parts:
                 row(f"  other core busy: {words}", parts["other_core_busy"][key])
+    for variant, parts in figures["cpp"].items():
+        row(f"C++, {variant}: network", parts["network_ms"])
+        row(f"C++, {variant}: select one leg", parts["select_one_leg_ms"])
+        row(f"C++, {variant}: select four legs", parts["select_four_legs_ms"])
     for name, parts in figures["baselines"].items():
         row(f"{name.replace('_', ' ')}: network", parts["network_ms"])
+        if "in_turns_with_it" in parts:
+            row("  ours in turns with it", parts["in_turns_with_it"])
     if "oracle_ms_per_map" in figures:
         row("oracle: one map", figures["oracle_ms_per_map"])
         for group, times in figures["oracle_ms_by_terrain"].items():
@@ -49,8 +55,12 @@ def _speed(figures: Mapping[str, Any]) -> list[str]:
             )
     batches = list(next(iter(next(iter(figures["maps_per_second"].values())).values())))
     lines += ["", f"{'maps per second, batch':34}" + "".join(f"{batch:>10}" for batch in batches)]
-    for variant, rows in figures["maps_per_second"].items():
-        for name, rates in rows.items():
-            numbers = "".join(f"{rate:>10.0f}" for rate in rates.values())
-            lines.append(f"{variant + ': ' + name.replace('_', ' '):34}{numbers}")
+    measured = {
+        f"{variant}: {name.replace('_', ' ')}": rates
+        for variant, rows in figures["maps_per_second"].items()
+        for name, rates in rows.items()
+    }
+    measured |= {f"C++, {variant}: one core": parts["maps_per_second"] for variant, parts in figures["cpp"].items()}
+    for name, rates in measured.items():
+        lines.append(f"{name:34}" + "".join(f"{rates[batch]:>10.0f}" for batch in batches))
     return lines

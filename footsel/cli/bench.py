@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import shutil
 from pathlib import Path
 
 from footsel.cli.numbers import whole_number
@@ -33,7 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--histogram",
         type=whole_number(1),
         metavar="N",
-        help="spread of N selections of each kind, with the other core idle and busy; 100000 take some ten minutes",
+        help="spread of N selections of each kind, with the other core idle and busy; 100000 take a quarter of an "
+        "hour, and with --out a run that was ended goes on from B.json.parts",
+    )
+    parser.add_argument(
+        "--cpp", type=Path, metavar="PROGRAM", help="the C++ library's footsel_bench (default: what `make cpp` builds)"
     )
     parser.add_argument("--plot", type=output_file, metavar="P.png", help="draw the histogram")
     add_robot(parser)
@@ -43,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print a table and write the figures."""
     from footsel.benchmark import BenchmarkSize, as_table, draw_histogram, run_benchmark
+    from footsel.benchmark.cpp import PROGRAM
     from footsel.runtime.model_folder import find_model_folder
 
     if args.plot and not args.histogram:
@@ -52,10 +58,13 @@ def run(args: argparse.Namespace) -> int:
             import matplotlib  # noqa: F401
     model = find_model_folder(args.model or args.robot)
     size = BenchmarkSize(calls=args.calls, maps=args.maps, histogram_calls=args.histogram or 0)
-    figures = run_benchmark(args.robot, model, args.run, size, args.seed)
+    parts = args.out.with_name(f"{args.out.name}.parts") if args.out and args.histogram else None
+    figures = run_benchmark(args.robot, model, args.run, size, args.seed, args.cpp or PROGRAM, parts)
     if args.out:
         text = json.dumps(figures, indent=2, allow_nan=False) + "\n"
         replace_file(args.out, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    if parts:
+        shutil.rmtree(parts)
     if args.plot:
         draw_histogram(figures["histogram"], args.plot)
     print(as_table(figures))

@@ -6,6 +6,7 @@ A released model is exported again with the contract of this version; its answer
 import argparse
 from pathlib import Path
 
+from footsel.cli.numbers import whole_number
 from footsel.cli.options import needing, output_folder
 
 HELP = "a training run as ONNX models that run on the robot"
@@ -16,6 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("trained", metavar="RUN", type=Path, help="folder of `footsel train`, or a released model")
     parser.add_argument("out", metavar="OUT", type=output_folder, help="model folder")
     parser.add_argument("--int8", action="store_true", help="add a variant quantised to 8 bits")
+    parser.add_argument(
+        "--parity-maps",
+        type=whole_number(1),
+        default=10_000,
+        metavar="N",
+        help="maps on which the files are compared with the trained network (default: %(default)s, some minutes)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -23,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
     with needing("footsel export", "train"):
         from footsel.exporting.export_run import export_run
 
-    out = export_run(args.trained, args.out, args.int8)
+    out = export_run(args.trained, args.out, args.int8, args.parity_maps)
     print(f"model: {out} (how near it is to the trained network: {out / 'parity.json'})")
     print(f"next: footsel select MAP --pose 0 0 auto 0 0 0 --model {out}")
     return 0

@@ -18,6 +18,7 @@ HELP = "a foothold for each leg, as JSON"
 SELECTORS = (
     "cnn",
     "cnn+verify",
+    "cnn:int8",
     "oracle",
     "nominal",
     "terrain_only",

@@ -17,7 +17,7 @@ from footsel.selectors.network import NetworkSelector
 from footsel.selectors.registry import CLASSIC
 
 #: Selectors whose costs the report draws beside the oracle's, the first that takes part.
-SCORERS = ("cnn", "cnn+verify", "terrain_only", *CLASSIC)
+SCORERS = ("cnn", "cnn:int8", "cnn+verify", "terrain_only", *CLASSIC)
 
 
 @dataclass(frozen=True, eq=False)

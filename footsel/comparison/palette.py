@@ -63,6 +63,7 @@ class Mark:
 MARKS = {
     "oracle": Mark("o", 15.0, "#ffd21f"),
     "cnn": Mark("o", 9.5, "#00d5ff"),
+    "cnn:int8": Mark("d", 8.0, "#00a6bf"),
     "cnn+verify": Mark("D", 6.5, "#5cff7a"),
     "terrain_only": Mark("^", 10.0, "#ff9df0"),
     "traversability": Mark("h", 13.0, "#c9a0ff"),

@@ -28,6 +28,7 @@ except ImportError as error:
 DESCRIPTIONS = {
     "oracle": "checks every cell exactly",
     "cnn": "the network alone",
+    "cnn:int8": "the network's 8-bit variant alone",
     "cnn+verify": "the network's candidates, until the oracle accepts one",
     "terrain_only": "terrain shape and distance, no kinematics, no collisions",
     "nominal": "the nominal foothold, whatever lies there",

@@ -22,14 +22,13 @@ from footsel.runtime.model_folder import (
     network_file,
     sums_text,
 )
-from footsel.runtime.network import Network
 
 try:
     from tqdm import tqdm
 
     from footsel.exporting.decoding import with_decoding
     from footsel.exporting.onnx_file import OPSET, with_contract
-    from footsel.exporting.parity import compare, require, require_decoding
+    from footsel.exporting.parity import Parity
     from footsel.exporting.quantise import quantised
     from footsel.exporting.sources import Source, open_source
     from footsel.exporting.trial_maps import trial_maps
@@ -41,8 +40,10 @@ from footsel.exporting.model_card import model_card
 from footsel.exporting.provenance import source_commit
 
 #: Maps on which torch and the exported file are compared, and maps that set the ranges of the 8-bit variant.
-PARITY_MAPS, CALIBRATION_MAPS = 500, 300
+PARITY_MAPS, CALIBRATION_MAPS = 10_000, 300
 _PARITY_SEED, _CALIBRATION_SEED = 1, 2
+#: Maps that torch gets at a time.
+_BATCH = 50
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def export_run(run: str | Path, out: str | Path, int8: bool = False, parity_maps
         raise InputError(f"{out} is a file", "give a folder to write the model to")
     sources = {pair: open_source(run, pair) for pair in PAIRS}
     pairs = {}
-    for pair in tqdm(PAIRS, desc="export", unit="network", disable=None):
+    for pair in PAIRS:
         pairs[pair] = export_network(sources[pair], int8, parity_maps)
     infos = {pair: source.info for pair, source in sources.items()}
     parity = {pair: exported.parity for pair, exported in pairs.items()}
@@ -101,18 +102,23 @@ def export_network(source: "Source", int8: bool, parity_maps: int) -> ExportedPa
         planes = encoding.encode(maps.heights, maps.roll, maps.pitch)
         models["int8"] = quantised(source.model, planes, source.exact_parts)
 
+    files = {
+        network_file(pair, variant): with_contract(with_decoding(model), contract) for variant, model in models.items()
+    }
+    checks = {variant: Parity(files[name], name, parity_maps) for variant, name in zip(models, files, strict=True)}
     maps = trial_maps(layout, contract.leg, parity_maps, _PARITY_SEED)
-    expected = source.logits(maps)
-    files, reports = {}, {}
-    for variant, model in models.items():
-        name = network_file(pair, variant)
-        files[name] = with_contract(with_decoding(model), contract)
-        report = compare(expected, Network.from_bytes(files[name], name), maps)
-        require_decoding(report, name)
-        reports[variant] = report.to_dict()
-        if variant == "float32":
-            require(report, name)
-            reports[variant].update(source.comparison)
+    with tqdm(total=len(maps), desc=f"{pair}: parity", unit="map", disable=None) as progress:
+        for batch in maps.batches(_BATCH):
+            planes = encoding.encode(batch.heights, batch.roll, batch.pitch)
+            expected = source.logits(planes)
+            for check in checks.values():
+                check.update(batch, planes, expected)
+            progress.update(len(batch))
+    for check in checks.values():
+        check.require_decoding()
+    checks["float32"].require_classes()
+    reports = {variant: check.to_dict(maps.origin) for variant, check in checks.items()}
+    reports["float32"].update(source.comparison)
     return ExportedPair(files, reports)
 
 

@@ -5,23 +5,20 @@ graph is taken over, so a release that is exported again answers as before.
 """
 
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import onnx
 import torch
-from numpy.typing import NDArray
 
 from footsel.errors import ModelError
 from footsel.exporting.decoding import without_decoding
+from footsel.exporting.engines import Logits
 from footsel.exporting.onnx_file import strip, to_onnx
-from footsel.exporting.parity import DECODING_FIGURES, graph_logits, trained_logits
+from footsel.exporting.parity import DECODING_FIGURES, graph_logits, torch_logits
 from footsel.exporting.simplify import simplified
-from footsel.exporting.trial_maps import TrialMaps
-from footsel.footholds.encoding import InputEncoding
 from footsel.learning.checkpoint import load_network, read_network, released_weights
 from footsel.learning.files import weights_file
 from footsel.runtime.model_folder import PARITY_FILE, SUMS_FILE, network_file, read_checked
@@ -33,7 +30,7 @@ class Source:
 
     info: header of its weights (footsel.learning.checkpoint). weights: content of the released weights' file.
     model: encoded maps -> logits, simplified. exact_parts: names of its parts that need more than 8 bits.
-    logits: maps -> (n, 14, 40, 40), the answers that every exported file is compared with.
+    logits: the answers that every exported file is compared with.
     comparison: figures of parity.json that an earlier export found for the logits of `model`, against torch.
     """
 
@@ -41,7 +38,7 @@ class Source:
     weights: bytes
     model: onnx.ModelProto
     exact_parts: Collection[str]
-    logits: Callable[[TrialMaps], NDArray[Any]]
+    logits: Logits
     comparison: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -65,7 +62,7 @@ def _trained(folder: Path) -> Source:
         weights=released_weights(network.state_dict(), info),
         model=model,
         exact_parts=network.exact_parts,
-        logits=partial(trained_logits, network, InputEncoding.from_dict(info["encoding"])),
+        logits=torch_logits(network),
     )
 
 
@@ -80,7 +77,7 @@ def _released(folder: Path, pair: str) -> Source:
         weights=contents[weights],
         model=model,
         exact_parts=trained.exact_parts,
-        logits=partial(graph_logits, model, InputEncoding.from_dict(info["encoding"])),
+        logits=graph_logits(model),
         comparison=_comparison(contents[PARITY_FILE], pair),
     )
 

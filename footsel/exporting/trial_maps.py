@@ -1,5 +1,6 @@
 """Local maps on which an exported network is tried and its 8-bit ranges are measured."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,12 @@ class TrialMaps:
 
     def __len__(self) -> int:
         return len(self.heights)
+
+    def batches(self, size: int) -> "Iterator[TrialMaps]":
+        """The maps in their order, up to `size` at a time."""
+        for start in range(0, len(self), size):
+            part = slice(start, start + size)
+            yield TrialMaps(self.heights[part], self.roll[part], self.pitch[part], self.origin)
 
 
 def trial_maps(layout: LegLayout, leg: str, count: int, seed: int) -> TrialMaps:

@@ -9,19 +9,22 @@ from footsel.selectors.network import NetworkSelector, VerifiedNetworkSelector
 
 #: Names of footsel.selectors.classic, which loads scipy.
 CLASSIC = ("krotkov", "chen_kumar", "barasuol", "rebula", "kolter", "roennau", "traversability")
-SELECTORS = ("nominal", "terrain_only", *CLASSIC, "oracle", "cnn", "cnn+verify")
+SELECTORS = ("nominal", "terrain_only", *CLASSIC, "oracle", "cnn", "cnn:int8", "cnn+verify")
 
 
 def make_selector(name: str, robot: str = "anymal_b", model: str | Path | None = None) -> Selector:
     """A selector by name.
 
     robot: name of the robot description. model: released model or model folder of the network (default: the robot's).
-    Raises UnknownNameError for a name that is not in SELECTORS.
+    Raises UnknownNameError for a name that is not in SELECTORS, ModelError for a model that cannot be read or has no
+    8-bit variant.
     """
     if name not in SELECTORS:
         raise UnknownNameError("selector", name, SELECTORS)
     if name == "cnn":
         return NetworkSelector(FootholdSelector.load(model or robot))
+    if name == "cnn:int8":
+        return NetworkSelector(FootholdSelector.load(model or robot, "int8"))
     if name in ("oracle", "cnn+verify"):
         return _exact_selector(name, robot, model)
     return _ground_selector(name, robot)

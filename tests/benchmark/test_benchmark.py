@@ -4,20 +4,24 @@ import functools
 import json
 import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import onnx
 import pytest
 import torch
 
-from footsel.benchmark import BenchmarkSize
+from footsel.benchmark import BenchmarkSize, as_table, histogram, models
 from footsel.benchmark.cases import MOST_TILT, make_cases
+from footsel.benchmark.cpp import time_cpp
 from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
 from footsel.benchmark.multiply_adds import multiply_adds
 from footsel.benchmark.timing import percentiles
 from footsel.cli.main import main
+from footsel.errors import InputError
 from footsel.exporting.onnx_file import to_onnx
 from footsel.legs import LEGS
+from footsel.runtime import FootholdSelector
 from footsel.runtime.model_folder import find_model_folder
 from footsel.terrain.courses import FAMILIES
 
@@ -36,7 +40,10 @@ def figures(tmp_path_factory, anymal_layout, handmade):
         patch.setattr("footsel.benchmark.BenchmarkSize", little)
         out = folder / "bench.json"
         arguments = ["bench", "--model", str(model), "--out", str(out), "--calls", "30", "--maps", "30"]
+        patch.setattr("footsel.benchmark.run.PROGRAM", folder / "footsel_bench")
+        patch.setattr("footsel.benchmark.cpp.PROGRAM", folder / "footsel_bench")
         assert main([*arguments, "--histogram", "40", "--plot", str(folder / "histogram.png")]) == 0
+    assert not (folder / "bench.json.parts").exists()
     assert (folder / "histogram.png").read_bytes().startswith(b"\x89PNG")
     return json.loads(out.read_text())
 
@@ -52,6 +59,9 @@ def test_fields(figures):
             for select in ("network_ms", "select_one_leg_ms", "select_four_legs_ms"):
                 assert 0 < each[select]["p50"] <= each[select]["p99"] <= each[select]["p999"]
     assert set(figures["baselines"]) == {"onnxruntime_default_options"}
+    plain = figures["baselines"]["onnxruntime_default_options"]
+    assert plain["network_ms"]["p50"] > 0 and plain["in_turns_with_it"]["p50"] > 0
+    assert figures["cpp"] == {}
     # A share of one core: nothing ran on a second one. A little more than one is the clocks' rounding.
     assert 0 < figures["cores_used"]["models"] < 1.2 and 0 < figures["cores_used"]["oracle"] < 1.2
 
@@ -65,18 +75,67 @@ def test_maps_per_second(figures):
 
 
 def test_histogram(figures):
-    histogram = figures["histogram"]
-    edges = histogram["edges_ms"]
+    found = figures["histogram"]
+    edges = found["edges_ms"]
     assert edges == sorted(edges) and (edges[0], edges[-1]) == (0.1, 1000)
     for kind in ("one_leg", "four_legs"):
-        assert set(histogram[kind]) == {"other_core_idle", "other_core_busy"}
-        for times in histogram[kind].values():
-            assert sum(times["counts"]) == histogram["calls"] == 40
+        assert set(found[kind]) == {"other_core_idle", "other_core_busy"}
+        for times in found[kind].values():
+            assert sum(times["counts"]) == found["calls"] == 40
             assert len(times["counts"]) == len(edges) - 1
             assert times["p50"] <= times["p999"] <= times["max"]
             # The median lies in the bin where half of the counts are reached.
             middle = np.searchsorted(np.cumsum(times["counts"]), 20)
             assert edges[middle] * 0.9 < times["p50"] < edges[middle + 1] * 1.1 or times["p50"] < 0.1
+
+
+@pytest.fixture
+def selector(constant_folder):
+    return FootholdSelector.load(constant_folder(3))
+
+
+def test_a_histogram_goes_on_where_it_was_ended(selector, anymal_layout, tmp_path, monkeypatch):
+    """What was measured before stays; only the rest is measured now."""
+    cases = make_cases(anymal_layout, 5, seed=0)
+    monkeypatch.setattr(histogram, "_CALLS_PER_PART", 4)
+    before = histogram.latency_histogram(selector, cases, 10, tmp_path)["one_leg"]["other_core_idle"]
+    kept = np.load(tmp_path / "one_leg, other_core_idle.npy")
+    assert len(kept) == 8 and max(kept) <= before["max"] + 1e-4
+
+    calls = []
+    monkeypatch.setattr(histogram, "milliseconds", lambda call: calls.append(call) or 500.0)
+    after = histogram.latency_histogram(selector, cases, 12, tmp_path)["one_leg"]["other_core_idle"]
+    assert after["max"] == 500.0 and sum(after["counts"]) == 12
+    again = np.load(tmp_path / "one_leg, other_core_idle.npy")
+    np.testing.assert_array_equal(again, [*kept, *[500.0] * 4])
+    # Four measurements that warm up and take four calls each.
+    assert len(calls) == 4 * (histogram._WARM_UP + 4)
+
+
+def test_a_damaged_part_is_said(selector, anymal_layout, tmp_path):
+    (tmp_path / "one_leg, other_core_idle.npy").write_bytes(b"x")
+    with pytest.raises(InputError, match=r"cannot read .*other_core_idle.npy .*delete its folder"):
+        histogram.latency_histogram(selector, make_cases(anymal_layout, 2, seed=0), 3, tmp_path)
+
+
+def test_everything_takes_turns(anymal_layout):
+    """On each case every call is timed once, and not always after the same other one."""
+    cases = make_cases(anymal_layout, 30, seed=0)
+    done = []
+    calls = {name: lambda case, name=name: lambda: done.append((name, case)) for name in "abc"}
+    times = models.take_turns(calls, cases, "")
+    assert {name: len(each) for name, each in times.items()} == dict.fromkeys("abc", 30)
+    timed = done[3 * models.WARM_UP :]
+    turns = [timed[3 * n : 3 * n + 3] for n in range(30)]
+    for case, turn in zip(cases, turns, strict=True):
+        assert {name for name, _ in turn} == set("abc") and all(each is case for _, each in turn)
+    assert len({tuple(name for name, _ in turn) for turn in turns}) == 6
+
+
+@pytest.mark.parametrize("program", ["nowhere", "/bin/false"])
+def test_a_program_that_does_not_run_is_said(constant_folder, anymal_layout, program):
+    with pytest.raises(InputError, match=rf"{program} does not run .*make cpp"):
+        time_cpp(Path(program), constant_folder(0), make_cases(anymal_layout, 2, seed=0))
 
 
 def test_share_of_the_matrix_product(figures):
@@ -177,3 +236,30 @@ def test_one_core_is_given_back():
         sum(range(200_000))
     assert os.sched_getaffinity(0) == before
     assert 0 < use.cores < 1.2
+
+
+def test_the_table_has_cpp_and_baselines_beside_the_variants():
+    times = {"p50": 1.0, "p99": 2.0, "p999": 3.0}
+    each = {"network_ms": times, "select_one_leg_ms": times, "select_four_legs_ms": times}
+    text = as_table(
+        {
+            "cpu": "a CPU",
+            "default": "float32",
+            "models": {"float32": each, "int8": each},
+            "cpp": {"float32": {**each, "maps_per_second": {"1": 1234.0, "256": 2345.0}}},
+            "baselines": {
+                "onnxruntime_unsimplified": {"network_ms": times},
+                "onnxruntime_default_options": {"network_ms": times, "in_turns_with_it": times},
+            },
+            "maps_per_second": {"float32": {"one_core": {"1": 1000.0, "256": 2000.0}}},
+        }
+    )
+    rows = {line[:34].strip(): line[34:].split() for line in text.splitlines()}
+    for name in (
+        "int8: select four legs",
+        "C++, float32: select four legs",
+        "onnxruntime unsimplified: network",
+        "ours in turns with it",
+    ):
+        assert rows[name] == ["1.000", "2.000", "3.000"]
+    assert rows["C++, float32: one core"] == ["1234", "2345"]

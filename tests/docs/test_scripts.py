@@ -86,3 +86,62 @@ def test_what_the_oracle_says_is_up_to_date(script, tmp_path):
 def test_figures_are_small(script):
     for path in (script("make_figures").DOCS / "figures").iterdir():
         assert path.stat().st_size < 150_000, path
+
+
+@pytest.fixture
+def bench(tmp_path):
+    """A bench.json of round figures."""
+    times = {"p50": 1.0, "p99": 2.0, "p999": 3.0}
+    each = dict.fromkeys(("network_ms", "select_one_leg_ms", "select_four_legs_ms"), times)
+    spread = {"counts": [0] * 25 + [60, 30, 0, 0, 10] + [0] * 70, **times, "max": 12.5}
+    figures = {
+        "cpu": "a CPU",
+        "oracle_ms_per_map": {"p50": 1.5, "p99": 2.5},
+        "models": {"float32": {**each, "other_core_busy": each}},
+        "cpp": {"float32": {**each, "maps_per_second": {"1": 900.0, "64": 1500.0}}},
+        "baselines": {"torch_eager": {"network_ms": {"p50": 9.0, "p99": 10.0}}},
+        "maps_per_second": {"float32": {"one_core": {"1": 800.0, "64": 1234.0}}},
+        "histogram": {
+            "calls": 100,
+            "edges_ms": [round(0.1 * 10 ** (n / 25), 4) for n in range(101)],
+            "one_leg": {"other_core_idle": spread},
+            "four_legs": {"other_core_idle": spread, "other_core_busy": spread},
+        },
+    }
+    (tmp_path / "bench.json").write_text(json.dumps(figures))
+    return figures
+
+
+@pytest.mark.usefixtures("bench")
+def test_latency_of_both_languages_and_of_others(tables):
+    rows = tables.latency().strip().splitlines()
+    assert rows[0] == "| ms on one core of a CPU | median | 99 % | 99.9 % |"
+    assert "| `float32` in C++, four legs | 1.00 | 2.00 | 3.00 |" in rows
+    assert "| the same network in torch | 9.00 | 10.00 | - |" in rows
+    assert sum("busy" in row for row in rows) == 1
+
+
+@pytest.mark.usefixtures("bench")
+def test_the_histogram_joins_bins_and_loses_no_call(tables):
+    rows = [[cell.strip() for cell in row.strip("|").split("|")] for row in tables.histogram().strip().splitlines()]
+    assert rows[0] == [
+        "100 calls each",
+        "one leg, other core idle",
+        "four legs, other core idle",
+        "four legs, other core busy",
+    ]
+    assert rows[2] == ["1 to 1.58 ms", "100", "100", "100"]
+    assert rows[-1] == ["longest [ms]", "12.50", "12.50", "12.50"]
+
+
+@pytest.mark.usefixtures("bench")
+def test_maps_per_second_of_both_languages(tables):
+    rows = tables.throughput().strip().splitlines()
+    assert rows[2:] == ["| `float32`, one core | 800 | 1,234 |", "| `float32` in C++, one core | 900 | 1,500 |"]
+
+
+def test_a_short_benchmark_leaves_the_long_tables_open(tables, bench, tmp_path):
+    del bench["histogram"]
+    (tmp_path / "bench.json").write_text(json.dumps(bench))
+    page = tables.fill("page", "<!-- table: t --><!-- end -->", {"t": tables.histogram})
+    assert "*not measured yet: `make bench-full`*" in page

@@ -87,9 +87,16 @@ def test_the_parity_report(released):
         assert float32["cells"] == 60 * 1600
         assert float32["class_differs_beyond_ties"] == 0
         assert float32["max_logit_difference"] < 1e-3
+        assert float32["cells_beyond_tolerance"] < 0.5 * float32["cells"]
         for report in (float32, int8):
             assert report["max_infeasible_difference"] < 1e-6
             assert report["max_cost_difference"] < 2e-4
+            # The reference is slow and gets fewer maps; OpenVINO takes part where it is installed.
+            engines = {name.split()[0]: figures for name, figures in report["other_engines"].items()}
+            assert engines["onnx"]["maps"] == 1
+            assert engines.get("openvino", float32)["maps"] == 60
+        for figures in float32["other_engines"].values():
+            assert figures["class_differs_beyond_ties"] == 0 and figures["max_logit_difference"] < 1e-3
         # Eight bits change something, but are the same network.
         assert 0 < int8["class_differs"] < 0.5 * int8["cells"]
         assert int8["max_logit_difference"] > float32["max_logit_difference"]
@@ -172,7 +179,7 @@ def test_the_card_says_what_was_run(released):
         "The architecture is FootNet",
         "| recipe: schedule | one_cycle | one_cycle |",
         "87.50%",
-        "| front | float32 | 60 |",
+        "| front | float32 | onnxruntime | 60 |",
         "footsel export RUN OUT --int8",
     ):
         assert words in card
@@ -241,9 +248,9 @@ def test_the_graph_that_is_taken_over_ends_with_its_logits(released, anymal_layo
     source = sources.open_source(released.out, "front")
     assert [output.name for output in source.model.graph.output] == ["logits"]
     assert source.model.graph.node[-1].output == ["logits"]
-    maps = trial_maps(anymal_layout, "LF", 10, seed=4)
+    maps = trial_maps(anymal_layout, "LF", 8, seed=4)
     exported = Network.load(released.out / "front.onnx")
-    found = graph_logits(source.model, exported.contract.encoding, maps)
+    found = graph_logits(source.model)(exported.contract.encoding.encode(maps.heights, maps.roll, maps.pitch))
     np.testing.assert_array_equal(found, exported.logits(maps.heights, maps.roll, maps.pitch))
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from footsel.comparison.palette import MARKS
 from footsel.comparison.report import DESCRIPTIONS
-from footsel.errors import InputError, UnknownNameError
+from footsel.errors import InputError, ModelError, UnknownNameError
 from footsel.footholds import DISTANCE_WEIGHT, BasePose
 from footsel.legs import LEGS, mirror_of
 from footsel.oracle import Oracle
@@ -128,6 +128,11 @@ def test_verified_network_agrees_with_the_oracle(constant_folder: Callable[[int]
 def test_the_report_can_draw_and_describe_every_selector() -> None:
     assert set(MARKS) == set(DESCRIPTIONS) == set(SELECTORS)
     assert len({(mark.marker, mark.colour) for mark in MARKS.values()}) == len(SELECTORS)
+
+
+def test_eight_bits_are_asked_for_by_name(model_folder: Path) -> None:
+    with pytest.raises(ModelError, match=r"does not list front.int8.onnx; variants of this model: float32"):
+        make_selector("cnn:int8", model=model_folder)
 
 
 def test_unknown_selector_lists_the_known_ones() -> None:

@@ -1,6 +1,6 @@
-// Latency on this machine, as JSON: footsel_bench MODEL MAP.npz [--calls N] [--seed S] [--int8]
+// Latency on this machine, as JSON: footsel_bench MODEL MAP.npz ... [--calls N] [--seed S] [--int8]
 //
-// Base poses are drawn over the middle of the map. One leg and four legs go from the elevation map to footholds; a batch
+// Maps take turns; base poses are drawn over the middle of each. One leg and four legs go from the elevation map to footholds; a batch
 // goes from local heights to a cost per cell. The figures have the names that `footsel bench` gives them.
 
 #include <algorithm>
@@ -30,20 +30,29 @@ int fail(const Error& error) {
     return 2;
 }
 
-/// Level poses at the standing height and tilted ones, over known ground of the middle of the map.
-std::vector<BasePose> draw_poses(const ElevationMap& map, const LegLayout& layout, std::size_t count, unsigned seed) {
+/// A base pose on a map.
+struct Request {
+    ElevationMap map;
+    BasePose pose;
+};
+
+/// Tilted poses at the standing height over the middle of the maps.
+std::vector<Request> draw_requests(const std::vector<LoadedMap>& maps, const LegLayout& layout, std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
     const auto within = [&](double most) { return std::uniform_real_distribution<double>(-most, most)(random); };
-    const double reach_x = static_cast<double>(map.nx) * map.resolution / 4, reach_y = static_cast<double>(map.ny) * map.resolution / 4;
-    std::vector<BasePose> poses(count);
-    for (BasePose& pose : poses) {
+    std::vector<Request> requests(count);
+    for (std::size_t n = 0; n < count; ++n) {
+        const ElevationMap map = requests[n].map = maps[n % maps.size()].view();
+        BasePose& pose = requests[n].pose;
+        const double reach_x = static_cast<double>(map.nx) * map.resolution / 4;
+        const double reach_y = static_cast<double>(map.ny) * map.resolution / 4;
         pose.x = map.position[0] + within(reach_x);
         pose.y = map.position[1] + within(reach_y);
         const float ground = map.sample(pose.x, pose.y);
         pose.z = (std::isfinite(ground) ? static_cast<double>(ground) : 0.0) + layout.standing_height();
         pose.roll = within(0.17), pose.pitch = within(0.17), pose.yaw = within(3.14);
     }
-    return poses;
+    return requests;
 }
 
 /// Milliseconds of every call; `call(n)` is the n-th.
@@ -88,15 +97,21 @@ int main(int argc, char** argv) {
         else if (word == "--seed" && at + 1 < argc) seed = static_cast<unsigned>(std::strtoul(argv[++at], nullptr, 10));
         else places.push_back(word);
     }
-    if (places.size() != 2) {
-        return std::fputs("usage: footsel_bench MODEL MAP.npz [--calls N] [--seed S] [--int8]\n", stderr), 2;
+    if (places.size() < 2) {
+        return std::fputs("usage: footsel_bench MODEL MAP.npz ... [--calls N] [--seed S] [--int8]\n", stderr), 2;
     }
-    const auto map = load_map(places[1]);
-    if (!map) return fail(map.error());
+    std::vector<LoadedMap> maps;
+    for (std::size_t n = 1; n < places.size(); ++n) {
+        auto map = load_map(places[n]);
+        if (!map) return fail(map.error());
+        maps.push_back(*std::move(map));
+    }
     auto selector = FootholdSelector::load(places[0], load);
     if (!selector) return fail(selector.error());
-    const auto poses = draw_poses(map->view(), selector->layout(), calls, seed);
-    if (auto tried = selector->select(map->view(), poses[0]); !tried) return fail(tried.error());
+    const auto requests = draw_requests(maps, selector->layout(), std::max(calls, maps.size()), seed);
+    for (std::size_t n = 0; n < maps.size(); ++n) {
+        if (auto tried = selector->select(requests[n].map, requests[n].pose); !tried) return fail(tried.error());
+    }
 
     JsonWriter json(stdout);
     json.open('{').text(OrtGetApiBase()->GetVersionString(), "onnxruntime").number(1, "threads");
@@ -105,32 +120,32 @@ int main(int argc, char** argv) {
     double network_ms = 0;
     std::vector<double> network;
     write_percentiles(json, "select_one_leg_ms", time_calls(calls, [&](std::size_t n) {
-        network_ms = selector->select(map->view(), poses[n], {LEGS[n % 4]})->network_ms;
+        network_ms = selector->select(requests[n].map, requests[n].pose, {LEGS[n % 4]})->network_ms;
         network.push_back(network_ms);
     }));
     network.erase(network.begin(), network.end() - static_cast<std::ptrdiff_t>(calls));
     std::sort(network.begin(), network.end());
     write_percentiles(json, "network_ms", network);
     write_percentiles(json, "select_four_legs_ms",
-                      time_calls(calls, [&](std::size_t n) { (void)selector->select(map->view(), poses[n]); }));
+                      time_calls(calls, [&](std::size_t n) { (void)selector->select(requests[n].map, requests[n].pose); }));
 
     // Batches of one leg's local maps, from heights to a cost per cell.
     std::array<std::vector<double>, std::size(BATCHES)> times;
     for (std::size_t k = 0; k < times.size(); ++k) {
-        const std::size_t maps = BATCHES[k];
-        std::vector<float> heights(maps * MAP_CELLS), cost(heights.size());
-        std::vector<Tilt> tilts(maps);
+        const std::size_t batch = BATCHES[k];
+        std::vector<float> heights(batch * MAP_CELLS), cost(heights.size());
+        std::vector<Tilt> tilts(batch);
         LocalHeights local;
-        for (std::size_t n = 0; n < maps; ++n) {
-            const BasePose& pose = poses[n % calls];
+        for (std::size_t n = 0; n < batch; ++n) {
+            const auto& [map, pose] = requests[n % requests.size()];
             const LocalFrame frame{selector->layout().hip_position(Leg::LF, pose), Heading(pose.yaw), selector->layout().resolution};
-            if (auto cut = extract_local_map(map->view(), frame, local); !cut) return fail(cut.error());
+            if (auto cut = extract_local_map(map, frame, local); !cut) return fail(cut.error());
             std::copy(local.begin(), local.end(), heights.begin() + static_cast<std::ptrdiff_t>(n * MAP_CELLS));
             tilts[n] = {pose.roll, pose.pitch};
         }
-        const CellEvaluation result{cost.data(), nullptr, nullptr};
-        times[k] = time_calls(std::max<std::size_t>(calls / maps, 3), [&](std::size_t) {
-            (void)selector->evaluate(heights.data(), maps, Leg::LF, tilts.data(), result);
+        const CellEvaluation result{cost.data(), nullptr, nullptr, nullptr};
+        times[k] = time_calls(std::max<std::size_t>(calls / batch, 3), [&](std::size_t) {
+            (void)selector->evaluate(heights.data(), batch, Leg::LF, tilts.data(), result);
         });
     }
     json.open('{', "evaluate_ms");

@@ -18,9 +18,11 @@ def test_no_memory_is_asked_for_by_our_own_code(cpp, released):
         ("select_four_legs", "onnxruntime_four_legs"),
         ("select_four_legs_choosy", "onnxruntime_four_legs"),
         ("evaluate_batch", "onnxruntime_batch"),
+        ("select_five_poses", "onnxruntime_five_poses"),
     ):
         assert counts[ours]["own_most"] == 0
         assert counts[ours]["total"] == counts[theirs]["total"]
+    assert counts["evaluate_classes"]["own_most"] == 0
     assert counts["select_refused"] == {"own_most": 0, "total": 0}
     # The counters count: onnxruntime asks for some, and so does a callback that makes a vector.
     assert counts["onnxruntime_one_leg"]["total"] > 0

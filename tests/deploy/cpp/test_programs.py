@@ -8,7 +8,11 @@ import pytest
 
 import footsel
 from footsel import ElevationMap
+from footsel.benchmark.cases import make_cases
+from footsel.benchmark.cpp import time_cpp
 from footsel.cli.main import main
+from footsel.runtime import FootholdSelector
+from footsel.runtime.model_folder import available_variants
 from footsel.terrain.courses import make_course
 
 POSE = ("0.1", "-0.05", "0.55", "0.05", "-1e-02", "0.7")
@@ -94,6 +98,16 @@ def test_bench_prints_the_figures_of_the_table(cpp, released, rough):
         assert 0 < figures[stage]["p50"] <= figures[stage]["p99"] <= figures[stage]["p999"]
     assert set(figures["evaluate_ms"]) == set(figures["maps_per_second"]) == {"1", "4", "64", "256"}
     assert all(rate > 0 for rate in figures["maps_per_second"].values())
+
+
+def test_the_benchmark_in_python_prints_them_too(cpp, released):
+    """On the courses of its own cases, which take turns."""
+    cases = make_cases(FootholdSelector.load(released).layout, 3, seed=0)
+    figures = time_cpp(cpp.folder / "footsel" / "footsel_bench", released, cases)
+    assert set(figures) == set(available_variants(released))
+    assert figures["float32"]["calls"] == 3
+    for stage in ("network_ms", "select_one_leg_ms", "select_four_legs_ms"):
+        assert figures["float32"][stage]["p50"] > 0
 
 
 def test_the_package_has_the_version_of_footsel(cpp):

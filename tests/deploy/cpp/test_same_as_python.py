@@ -173,7 +173,9 @@ def test_the_same_cells(cpp, released, leg, maps):
     cells = heights.size
     cost, confidence = np.frombuffer(done.stdout, np.float32, 2 * cells).reshape(2, *heights.shape)
     feasible = np.frombuffer(done.stdout, np.bool_, cells, 8 * cells).reshape(heights.shape)
+    classes = np.frombuffer(done.stdout, np.uint8, cells, 9 * cells).reshape(heights.shape)
     np.testing.assert_array_equal(feasible, expected.feasible)
+    np.testing.assert_array_equal(classes, expected.class_)
     np.testing.assert_allclose(cost, expected.cost, atol=1e-3)
     np.testing.assert_allclose(confidence, expected.confidence, atol=1e-5)
     assert 0.01 < feasible.mean() < 0.9

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <limits>
+#include <optional>
 
 #include "footsel/base_pose.hpp"
 #include "footsel/legs.hpp"
@@ -70,6 +71,27 @@ struct Selection {
     double network_ms = 0;  ///< encoding, inference and decoding, a part of the total
 
     const Foothold& operator[](Leg leg) const noexcept { return footholds[leg]; }
+
+    /// Sum of the final costs over the legs that were asked for; infinite if one of them has no foothold.
+    double pose_cost() const noexcept {
+        double sum = 0;
+        for (Leg leg : LEGS) {
+            if (!legs.contains(leg)) continue;
+            sum += footholds[leg].ok() ? footholds[leg].final_cost : std::numeric_limits<double>::infinity();
+        }
+        return sum;
+    }
 };
+
+/// Which of many selections costs least in all; none if each leaves a leg without a foothold.
+inline std::optional<std::size_t> cheapest(const Selection* selections, std::size_t count) noexcept {
+    std::optional<std::size_t> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < count; ++n) {
+        const double cost = selections[n].pose_cost();
+        if (cost < least) least = cost, best = n;
+    }
+    return best;
+}
 
 }  // namespace footsel

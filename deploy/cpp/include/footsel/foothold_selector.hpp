@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -38,14 +39,16 @@ struct Tilt {
 
 /// Where `evaluate` writes: arrays (n, 40, 40), or null for what is not wanted.
 struct CellEvaluation {
-    float* cost = nullptr;        ///< mean cost over all classes, 255 where the cell is not feasible
-    bool* feasible = nullptr;     ///< whether the cell is known and its p(infeasible) below the contract's threshold
-    float* confidence = nullptr;  ///< 1 - p(infeasible); 0 where the height is unknown
+    float* cost = nullptr;           ///< mean cost over all classes, 255 where the cell is not feasible
+    bool* feasible = nullptr;        ///< whether the cell is known and its p(infeasible) below the contract's threshold
+    float* confidence = nullptr;     ///< 1 - p(infeasible); 0 where the height is unknown
+    std::uint8_t* class_ = nullptr;  ///< the most probable of the thirteen feasible classes, 13 where the cell is not
 };
 
 /// Sizes of batches that memory is laid out for: any number of maps is a sum of them. Larger ones gain nothing, as what
 /// the network has in work then leaves the processor's caches.
 inline constexpr std::array<std::size_t, 4> BATCH_SIZES{1, 2, 4, 8};
+inline constexpr std::size_t LARGEST_BATCH = BATCH_SIZES.back();
 
 /// Footholds by the network. A selector owns the memory it works in, so each thread needs one of its own: `sibling`
 /// makes another one over the same networks.
@@ -96,28 +99,37 @@ public:
                              const SelectOptions& options = {}) noexcept {
         const auto start = Clock::now();
         Selection selection;
-        selection.legs = legs;
-        if (auto checked = check_request(map, pose, legs, options); !checked) return checked.error();
-        float nearest = std::numeric_limits<float>::infinity();
-        std::size_t known = 0;
-        for (Leg leg : LEGS) {
-            if (!legs.contains(leg)) continue;
-            selection.footholds[leg].nominal = nominal_of(leg, map, pose, options);
-            const auto summary = extract_local_map(map, frame_of(leg, pose), memory_->heights[leg]);
-            if (!summary) return summary.error();
-            memory_->known[leg] = summary->known;
-            known += summary->known;
-            nearest = std::min(nearest, summary->nearest);
-        }
-        selection.far_from_terrain = known > 0 && nearest >= static_cast<float>(IMPLAUSIBLE * layout().height_range);
-        for (Pair pair : PAIRS) {
-            if (auto done = select_pair(pair, map, pose, options, selection); !done) return done.error();
-        }
+        if (auto checked = check_request(map, legs, options); !checked) return checked.error();
+        if (auto checked = check_pose(map, pose); !checked) return checked.error();
+        if (auto done = select_part(map, &pose, 1, &selection, legs, options, {}); !done) return done.error();
         selection.total_ms = milliseconds_since(start);
         return selection;
     }
 
-    /// Cost, feasibility and confidence per cell, for those with their own mapping.
+    /// The same at many base poses, for planners that score hundreds of postures a step: the networks run on eight maps
+    /// at a time. `footsel::cheapest` says which pose costs least.
+    ///
+    /// poses, selections: (count,). nominals: N_i of a leg at each pose (count,), or null for those of the options.
+    /// Times are each pose's share. An error names the first pose that makes no sense, before any is answered.
+    Result<void> select_many(const ElevationMap& map, const BasePose* poses, std::size_t count, Selection* selections,
+                             LegSet legs = {}, const SelectOptions& options = {},
+                             const PerLeg<const Nominal*>& nominals = {}) noexcept {
+        const auto start = Clock::now();
+        if (auto checked = check_request(map, legs, options); !checked) return checked;
+        if (auto checked = check_poses(map, poses, count, selections, legs, nominals); !checked) return checked;
+        const std::size_t most = LARGEST_BATCH / std::max<std::size_t>(legs_of_largest_pair(legs), 1);
+        for (std::size_t begin = 0; begin < count; begin += most) {
+            PerLeg<const Nominal*> own;
+            for (Leg leg : LEGS) own[leg] = nominals[leg] == nullptr ? nullptr : nominals[leg] + begin;
+            auto done = select_part(map, poses + begin, std::min(most, count - begin), selections + begin, legs, options, own);
+            if (!done) return done;
+        }
+        const double share = count == 0 ? 0 : milliseconds_since(start) / static_cast<double>(count);
+        for (std::size_t pose = 0; pose < count; ++pose) selections[pose].total_ms = share;
+        return {};
+    }
+
+    /// Class, cost, feasibility and confidence per cell, for those with their own mapping.
     ///
     /// heights: (maps, 40, 40) terrain height relative to the leg's hip point L_i, i along the base's heading and j to
     /// its left, cells of `layout().resolution`, NaN = unknown, in [m]. tilts: one for each map.
@@ -132,7 +144,7 @@ public:
                 network.contract().encoding.encode(heights + (begin + i) * MAP_CELLS, tilt.roll, tilt.pitch, is_right(leg),
                                                    batch.input(i));
             }
-            if (auto done = network.run(batch); !done) return done;
+            if (auto done = network.run(batch, result.class_ != nullptr); !done) return done;
             for (std::size_t i = 0; i < batch.maps(); ++i) decode(batch, i, begin + i, heights, leg, result);
             begin += batch.maps();
         }
@@ -147,9 +159,9 @@ private:
 
     /// All that a call writes to, laid out once.
     struct Memory {
-        PerLeg<LocalHeights> heights;
-        PerLeg<std::size_t> known;
+        std::array<LocalHeights, LARGEST_BATCH> heights;
         std::array<std::array<Batch, BATCH_SIZES.size()>, 2> batches;  ///< by pair and size
+        std::array<float, LARGEST_BATCH * CLASSES * MAP_CELLS> logits;  ///< of any of them
         Ranking ranking;
     };
 
@@ -158,7 +170,7 @@ private:
         for (Pair pair : PAIRS) {
             const std::size_t planes = contract(pair).encoding.planes.size();
             for (std::size_t i = 0; i < BATCH_SIZES.size(); ++i) {
-                memory_->batches[index(pair)][i] = Batch(BATCH_SIZES[i], planes);
+                memory_->batches[index(pair)][i] = Batch(BATCH_SIZES[i], planes, memory_->logits.data());
             }
         }
     }
@@ -208,11 +220,13 @@ private:
         return {};
     }
 
-    Result<void> check_request(const ElevationMap& map, const BasePose& pose, LegSet legs,
-                               const SelectOptions& options) const noexcept {
+    Result<void> check_request(const ElevationMap& map, LegSet legs, const SelectOptions& options) const noexcept {
         if (memory_ == nullptr) return Error::format(ErrorCode::input, "this selector was moved from");
         if (auto checked = options.check(legs); !checked) return checked;
-        if (auto checked = map.check(); !checked) return checked;
+        return map.check();
+    }
+
+    static Result<void> check_pose(const ElevationMap& map, const BasePose& pose) noexcept {
         if (auto checked = pose.check(); !checked) return checked;
         if (!map.contains(pose.x, pose.y)) {
             const double half_x = static_cast<double>(map.nx) * map.resolution / 2;
@@ -221,6 +235,26 @@ private:
                                  "the base at x=%g y=%g is off the map; the map spans x %g..%g and y %g..%g m", pose.x, pose.y,
                                  map.position[0] - half_x, map.position[0] + half_x, map.position[1] - half_y,
                                  map.position[1] + half_y);
+        }
+        return {};
+    }
+
+    static Result<void> check_poses(const ElevationMap& map, const BasePose* poses, std::size_t count,
+                                    const Selection* selections, LegSet legs,
+                                    const PerLeg<const Nominal*>& nominals) noexcept {
+        if (count > 0 && (poses == nullptr || selections == nullptr)) {
+            return Error::format(ErrorCode::input, "poses or selections are null; give both");
+        }
+        for (std::size_t pose = 0; pose < count; ++pose) {
+            if (auto checked = check_pose(map, poses[pose]); !checked) {
+                return Error::format(checked.error().code, "pose %zu: %s", pose, checked.error().what());
+            }
+            for (Leg leg : LEGS) {
+                if (!legs.contains(leg) || nominals[leg] == nullptr) continue;
+                if (auto checked = nominals[leg][pose].check(leg); !checked) {
+                    return Error::format(checked.error().code, "pose %zu: %s", pose, checked.error().what());
+                }
+            }
         }
         return {};
     }
@@ -249,39 +283,91 @@ private:
         return {layout().hip_position(leg, pose), Heading(pose.yaw), layout().resolution};
     }
 
-    Vector3 nominal_of(Leg leg, const ElevationMap& map, const BasePose& pose, const SelectOptions& options) const noexcept {
-        const auto& own = options.nominal[leg];
-        if (own && own->z) return {own->x, own->y, *own->z};
-        const auto xy = own ? std::array<double, 2>{own->x, own->y} : layout().nominal_xy(leg, pose);
+    Vector3 nominal_of(Leg leg, const ElevationMap& map, const BasePose& pose, const Nominal* own) const noexcept {
+        if (own != nullptr && own->z) return {own->x, own->y, *own->z};
+        const auto xy = own != nullptr ? std::array<double, 2>{own->x, own->y} : layout().nominal_xy(leg, pose);
         return layout().nominal_position(leg, pose, map, xy);
     }
 
-    /// A pair's two legs run as one batch, the right one mirrored.
-    Result<void> select_pair(Pair pair, const ElevationMap& map, const BasePose& pose, const SelectOptions& options,
-                             Selection& selection) noexcept {
-        const auto start = Clock::now();
-        std::array<Leg, 2> legs{};
-        std::size_t count = 0;
+    /// Those of a pair that are asked for, in order; how many in `count`.
+    static std::array<Leg, 2> legs_of(Pair pair, LegSet legs, std::size_t& count) noexcept {
+        std::array<Leg, 2> result{};
+        count = 0;
         for (Leg leg : LEGS) {
-            if (pair_of(leg) == pair && selection.legs.contains(leg)) legs[count++] = leg;
+            if (pair_of(leg) == pair && legs.contains(leg)) result[count++] = leg;
         }
-        if (count == 0) return {};
-        const Network& network = networks_[index(pair)];
-        Batch& batch = largest_batch(pair, count);
-        for (std::size_t i = 0; i < count; ++i) {
-            network.contract().encoding.encode(memory_->heights[legs[i]].data(), pose.roll, pose.pitch, is_right(legs[i]),
-                                               batch.input(i));
+        return result;
+    }
+
+    static std::size_t legs_of_largest_pair(LegSet legs) noexcept {
+        std::size_t front = 0, hind = 0;
+        legs_of(Pair::front, legs, front), legs_of(Pair::hind, legs, hind);
+        return std::max(front, hind);
+    }
+
+    /// Poses whose legs of a pair are as many maps as the largest batch, or fewer: what is said of the terrain is kept
+    /// for them here.
+    Result<void> select_part(const ElevationMap& map, const BasePose* poses, std::size_t count, Selection* selections,
+                             LegSet legs, const SelectOptions& options, const PerLeg<const Nominal*>& nominals) noexcept {
+        std::array<LocalMapSummary, LARGEST_BATCH> around{};
+        for (std::size_t pose = 0; pose < count; ++pose) selections[pose] = Selection{}, selections[pose].legs = legs;
+        for (Pair pair : PAIRS) {
+            std::size_t in_pair = 0;
+            const auto legs_here = legs_of(pair, legs, in_pair);
+            for (std::size_t begin = 0; begin < count * in_pair;) {
+                Batch& batch = largest_batch(pair, count * in_pair - begin);
+                std::array<Ask, LARGEST_BATCH> asks;
+                for (std::size_t i = 0; i < batch.maps(); ++i) {
+                    const std::size_t pose = (begin + i) / in_pair;
+                    const Leg leg = legs_here[(begin + i) % in_pair];
+                    const Nominal* own = nominals[leg] != nullptr ? nominals[leg] + pose
+                                         : options.nominal[leg]   ? &*options.nominal[leg]
+                                                                  : nullptr;
+                    const auto summary = extract_local_map(map, frame_of(leg, poses[pose]), memory_->heights[i]);
+                    if (!summary) return summary.error();
+                    around[pose].known += summary->known;
+                    around[pose].nearest = std::min(around[pose].nearest, summary->nearest);
+                    asks[i] = {leg, &poses[pose], &selections[pose], summary->known};
+                    selections[pose].footholds[leg].nominal = nominal_of(leg, map, poses[pose], own);
+                }
+                if (auto done = answer(batch, asks, map, options); !done) return done;
+                begin += batch.maps();
+            }
+        }
+        const auto far = static_cast<float>(IMPLAUSIBLE * layout().height_range);
+        for (std::size_t pose = 0; pose < count; ++pose) {
+            selections[pose].far_from_terrain = around[pose].known > 0 && around[pose].nearest >= far;
+        }
+        return {};
+    }
+
+    /// One map of a batch: whose it is, and where the answer belongs.
+    struct Ask {
+        Leg leg = Leg::LF;
+        const BasePose* pose = nullptr;
+        Selection* selection = nullptr;
+        std::size_t known = 0;  ///< cells with a height
+    };
+
+    /// Run the network of a pair on the heights of a batch and choose a cell of each map; right legs are mirrored.
+    Result<void> answer(Batch& batch, const std::array<Ask, LARGEST_BATCH>& asks, const ElevationMap& map,
+                        const SelectOptions& options) noexcept {
+        const auto start = Clock::now();
+        const Network& network = networks_[index(pair_of(asks[0].leg))];
+        for (std::size_t i = 0; i < batch.maps(); ++i) {
+            network.contract().encoding.encode(memory_->heights[i].data(), asks[i].pose->roll, asks[i].pose->pitch,
+                                               is_right(asks[i].leg), batch.input(i));
         }
         if (auto done = network.run(batch); !done) return done;
-        selection.network_ms += milliseconds_since(start);
+        const double share = milliseconds_since(start) / static_cast<double>(batch.maps());
 
-        for (std::size_t i = 0; i < count; ++i) {
-            const Leg leg = legs[i];
-            const LegView view{leg,       frame_of(leg, pose), memory_->heights[leg], memory_->known[leg], batch.infeasible(i),
-                               batch.cost(i)};
+        for (std::size_t i = 0; i < batch.maps(); ++i) {
+            const auto& [leg, pose, selection, known] = asks[i];
+            selection->network_ms += share;
+            const LegView view{leg, frame_of(leg, *pose), memory_->heights[i], known, batch.infeasible(i), batch.cost(i)};
             const auto& previous = options.previous[leg];
             const float ground = previous ? map.sample((*previous)[0], (*previous)[1]) : std::nanf("");
-            auto done = Choice(view, network.contract(), options, memory_->ranking, selection.footholds[leg]).make(pose, ground);
+            auto done = Choice(view, network.contract(), options, memory_->ranking, selection->footholds[leg]).make(*pose, ground);
             if (!done) return done;
         }
         return {};
@@ -298,6 +384,7 @@ private:
             if (result.cost) result.cost[at] = feasible ? batch.cost(i)[seen] : static_cast<float>(INFEASIBLE_COST);
             if (result.feasible) result.feasible[at] = feasible;
             if (result.confidence) result.confidence[at] = known ? 1.0F - infeasible : 0.0F;
+            if (result.class_) result.class_[at] = feasible ? batch.likeliest(i, seen) : std::uint8_t{COST_BINS};
         }
     }
 

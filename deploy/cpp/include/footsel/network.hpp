@@ -17,7 +17,8 @@
 
 namespace footsel {
 
-/// Names in the graph. The logits (n, 14, 40, 40) stay where they are: a choice needs no more than two planes a map.
+/// Names in the graph. The logits (n, 14, 40, 40) stay where they are but for the class of every cell: a choice needs no
+/// more than two planes a map.
 inline constexpr const char* INPUT = "maps";
 inline constexpr const char* LOGITS_OUTPUT = "logits";
 inline constexpr const char* INFEASIBLE_OUTPUT = "infeasible";
@@ -27,9 +28,10 @@ inline constexpr const char* COST_OUTPUT = "cost";
 class Batch {
 public:
     Batch() noexcept = default;
-    /// Allocates.
-    Batch(std::size_t maps, std::size_t planes)
+    /// Allocates. logits: (maps, 14, 40, 40) that may be shared with batches that do not run at the same time.
+    Batch(std::size_t maps, std::size_t planes, float* logits)
         : maps_(maps),
+          logits_(logits),
           input_(maps * planes * MAP_CELLS),
           infeasible_(maps * MAP_CELLS),
           cost_(maps * MAP_CELLS) {
@@ -37,11 +39,14 @@ public:
         const auto n = static_cast<std::int64_t>(maps), side = static_cast<std::int64_t>(CELLS);
         const std::array<std::int64_t, 4> in{n, static_cast<std::int64_t>(planes), side, side};
         const std::array<std::int64_t, 3> out{n, side, side};
+        const std::array<std::int64_t, 4> scores{n, CLASSES, side, side};
         input_tensor_ = Ort::Value::CreateTensor<float>(memory, input_.data(), input_.size(), in.data(), in.size());
         const auto bind = [&](std::vector<float>& plane) {
             return Ort::Value::CreateTensor<float>(memory, plane.data(), plane.size(), out.data(), out.size());
         };
-        output_tensors_ = {bind(infeasible_), bind(cost_)};
+        output_tensors_ = {bind(infeasible_), bind(cost_),
+                           Ort::Value::CreateTensor<float>(memory, logits_, maps * CLASSES * MAP_CELLS, scores.data(),
+                                                           scores.size())};
     }
 
     std::size_t maps() const noexcept { return maps_; }
@@ -53,13 +58,24 @@ public:
     const float* infeasible(std::size_t map) const noexcept { return infeasible_.data() + map * MAP_CELLS; }
     const float* cost(std::size_t map) const noexcept { return cost_.data() + map * MAP_CELLS; }
 
+    /// The most probable of the feasible classes at a cell, if the logits were asked for.
+    std::uint8_t likeliest(std::size_t map, std::size_t cell) const noexcept {
+        const float* scores = logits_ + map * CLASSES * MAP_CELLS + cell;
+        std::uint8_t best = 0;
+        for (std::uint8_t other = 1; other < COST_BINS; ++other) {
+            if (scores[other * MAP_CELLS] > scores[best * MAP_CELLS]) best = other;
+        }
+        return best;
+    }
+
 private:
     friend class Network;
 
     std::size_t maps_ = 0;
+    float* logits_ = nullptr;
     std::vector<float> input_, infeasible_, cost_;
     Ort::Value input_tensor_{nullptr};
-    std::array<Ort::Value, 2> output_tensors_{Ort::Value{nullptr}, Ort::Value{nullptr}};
+    std::array<Ort::Value, 3> output_tensors_{Ort::Value{nullptr}, Ort::Value{nullptr}, Ort::Value{nullptr}};
 };
 
 /// An onnxruntime session that keeps what its contract says. Copies share the session, which is safe to run from
@@ -88,11 +104,11 @@ public:
     const ModelContract& contract() const noexcept { return *contract_; }
 
     /// Evaluate what stands in the batch's input. Allocates nothing of ours; onnxruntime has its own scratch memory.
-    Result<void> run(Batch& batch) const noexcept {
+    Result<void> run(Batch& batch, bool with_logits = false) const noexcept {
         return detail::guarded(ErrorCode::engine, "onnxruntime", [&]() -> Result<void> {
-            static constexpr const char* outputs[]{INFEASIBLE_OUTPUT, COST_OUTPUT};
+            static constexpr const char* outputs[]{INFEASIBLE_OUTPUT, COST_OUTPUT, LOGITS_OUTPUT};
             session_->session.Run(Ort::RunOptions{nullptr}, &INPUT, &batch.input_tensor_, 1, outputs,
-                                  batch.output_tensors_.data(), batch.output_tensors_.size());
+                                  batch.output_tensors_.data(), with_logits ? 3 : 2);
             return {};
         });
     }

@@ -22,6 +22,12 @@ using Verify = std::function<bool(Leg, const BasePose&, Cell, const Vector3&)>;
 struct Nominal {
     double x = 0, y = 0;
     std::optional<double> z;
+
+    Result<void> check(Leg leg) const noexcept {
+        if (is_plausible(x) && is_plausible(y) && is_plausible(z.value_or(0))) return {};
+        return Error::format(ErrorCode::input, "nominal foothold of %s is (%g, %g, %g); give world (x, y) or (x, y, z)",
+                             name(leg), x, y, z.value_or(0));
+    }
 };
 
 struct SelectOptions {
@@ -62,10 +68,8 @@ struct SelectOptions {
         }
         for (Leg leg : LEGS) {
             if (!legs.contains(leg)) continue;
-            const auto& own = nominal[leg];
-            if (own && !(is_plausible(own->x) && is_plausible(own->y) && is_plausible(own->z.value_or(0)))) {
-                return Error::format(ErrorCode::input, "nominal foothold of %s is (%g, %g, %g); give world (x, y) or (x, y, z)",
-                                     name(leg), own->x, own->y, own->z.value_or(0));
+            if (nominal[leg]) {
+                if (auto checked = nominal[leg]->check(leg); !checked) return checked;
             }
             const auto& before = previous[leg];
             if (before && !(is_plausible((*before)[0]) && is_plausible((*before)[1]))) {

@@ -159,7 +159,11 @@ int main(int, char** argv) {
     Bare::Tensors one(1), two(2), four(4), eight(8);
     std::vector<float> local(13 * MAP_CELLS, -0.48F), cost(local.size()), confidence(local.size());
     const std::vector<Tilt> tilts(13);
-    const CellEvaluation result{cost.data(), nullptr, confidence.data()};
+    const CellEvaluation result{cost.data(), nullptr, confidence.data(), nullptr};
+    std::vector<std::uint8_t> classes(local.size());
+    const CellEvaluation with_classes{nullptr, nullptr, nullptr, classes.data()};
+    const std::vector<BasePose> poses(5, pose);
+    std::vector<Selection> selections(poses.size());
 
     SelectOptions choosy;
     choosy.top_k = MOST_CANDIDATES;
@@ -182,6 +186,9 @@ int main(int, char** argv) {
     write("select_four_legs_choosy", count([&] { (void)selector->select(map, pose, {}, choosy); }));
     write("onnxruntime_batch", count([&] { front.run(eight), front.run(four), front.run(one); }));
     write("evaluate_batch", count([&] { (void)selector->evaluate(local.data(), 13, Leg::RF, tilts.data(), result); }));
+    write("onnxruntime_five_poses", count([&] { front.run(eight), hind.run(eight), front.run(two), hind.run(two); }));
+    write("select_five_poses", count([&] { (void)selector->select_many(map, poses.data(), 5, selections.data()); }));
+    write("evaluate_classes", count([&] { (void)selector->evaluate(local.data(), 13, Leg::LH, tilts.data(), with_classes); }));
     write("select_refused", count([&] { (void)selector->select(map, off_the_map); }));
     // That the counters count: this verify asks for memory once, and is asked once.
     write("select_one_leg_spendthrift", count([&] { (void)selector->select(map, pose, {Leg::LF}, spendthrift); }));

@@ -62,6 +62,7 @@ public:
         }
         if (one_in(20)) options.nominal[LEGS[below(4)]] = Nominal{odd_double(), odd_double(), odd_double()};
         if (one_in(30)) map.elevation = nullptr;
+        if (one_in(4)) return select_many(map, pose, legs, options);
         const auto selection = selector_.select(map, pose, legs, options);
         if (!selection) return require(selection.error().what()[0] != '\0', "an error without words"), false;
         for (Leg leg : LEGS) check(*selection, leg, options);
@@ -77,11 +78,14 @@ public:
         if (maps > 0 && one_in(3)) heights[below(heights.size())] = odd_float();
         if (maps > 0 && one_in(4)) tilts[below(maps)].roll = odd_double();
         const auto leg = static_cast<Leg>(below(one_in(10) ? 256 : 4));
-        const CellEvaluation result{cost.data(), nullptr, one_in(2) ? confidence.data() : nullptr};
+        std::vector<std::uint8_t> classes(heights.size());
+        const CellEvaluation result{cost.data(), nullptr, one_in(2) ? confidence.data() : nullptr,
+                                    one_in(4) ? classes.data() : nullptr};
         if (!selector_.evaluate(one_in(50) ? nullptr : heights.data(), maps, leg, tilts.data(), result)) return false;
         for (std::size_t cell = 0; cell < heights.size(); ++cell) {
             require(cost[cell] >= 0 && cost[cell] <= 255.001F, "a cost out of its range");
             require(!std::isnan(heights[cell]) || cost[cell] == 255, "a cost on an unknown cell");
+            require(classes[cell] <= 13, "a class that there is not");
         }
         return true;
     }
@@ -118,6 +122,25 @@ public:
     }
 
 private:
+    /// Whether a few poses on a map were answered.
+    bool select_many(const ElevationMap& map, const BasePose& pose, LegSet legs, const SelectOptions& options) {
+        std::vector<BasePose> poses(below(7), pose);
+        for (BasePose& each : poses) each.yaw += uniform();
+        if (!poses.empty() && one_in(20)) poses.back().z = odd_double();
+        std::vector<Selection> selections(poses.size());
+        std::vector<Nominal> own(poses.size(), Nominal{uniform(), one_in(20) ? odd_double() : uniform(), std::nullopt});
+        PerLeg<const Nominal*> nominals;
+        if (one_in(2)) nominals[LEGS[below(4)]] = own.data();
+        const auto done = selector_.select_many(map, poses.data(), poses.size(), selections.data(), legs, options, nominals);
+        if (!done) return require(done.error().what()[0] != '\0', "an error without words"), false;
+        for (const Selection& selection : selections) {
+            for (Leg leg : LEGS) check(selection, leg, options);
+        }
+        const auto best = cheapest(selections.data(), selections.size());
+        require(!best || selections[*best].pose_cost() < std::numeric_limits<double>::infinity(), "a cheapest pose without footholds");
+        return true;
+    }
+
     void check(const Selection& selection, Leg leg, const SelectOptions& options) const {
         const Foothold& foothold = selection[leg];
         if (!foothold.ok()) {
