@@ -41,7 +41,7 @@ def model_card(
 
 _ARCHITECTURES = {
     "erfnet": "ERFNet, after Belter et al., ICRA 2019",
-    "footnet": "FootNet, ERFNet's residual layers around fixed layers for what the label depends on",
+    "footnet": "FootNet: fixed layers for what the label depends on, learnt layers on each cell",
 }
 
 

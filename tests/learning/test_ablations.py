@@ -18,9 +18,10 @@ maps = 16
 epochs = 2
 [rows."footsel"]
 [rows."smaller, no place"]
-widths = [8, 8, 12, 16]
+cells = [8, 8]
+widths = [12, 16]
 blocks = [1, 0, 1]
-features = ["drops"]
+features = ["footing"]
 [rows."fewer maps"]
 maps = 8
 epochs = 3

@@ -123,7 +123,7 @@ def test_a_second_sitting_keeps_the_balls_of_the_first(data, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("planes", ("height", "unknown")), ("widths", (16, 8, 16, 24)), ("features", ("drops",))]
+    ("key", "value"), [("planes", ("height", "unknown")), ("cells", (16, 8)), ("features", ("footing",))]
 )
 def test_another_network_is_refused(data, layout, few_balls, tmp_path, key, value):
     fit(data, tmp_path / "front", RECIPES["footsel"])
