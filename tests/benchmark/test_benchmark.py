@@ -119,16 +119,18 @@ def test_a_damaged_part_is_said(selector, anymal_layout, tmp_path):
 
 
 def test_everything_takes_turns(anymal_layout):
-    """On each case every call is timed once, and not always after the same other one."""
+    """On each case every call is timed once, right after its own call on the case before, in changing order."""
     cases = make_cases(anymal_layout, 30, seed=0)
     done = []
     calls = {name: lambda case, name=name: lambda: done.append((name, case)) for name in "abc"}
     times = models.take_turns(calls, cases, "")
     assert {name: len(each) for name, each in times.items()} == dict.fromkeys("abc", 30)
-    timed = done[3 * models.WARM_UP :]
+    warm, timed = done[3 * models.WARM_UP :: 2], done[3 * models.WARM_UP + 1 :: 2]
+    assert [name for name, _ in warm] == [name for name, _ in timed]
     turns = [timed[3 * n : 3 * n + 3] for n in range(30)]
-    for case, turn in zip(cases, turns, strict=True):
-        assert {name for name, _ in turn} == set("abc") and all(each is case for _, each in turn)
+    for number, turn in enumerate(turns):
+        assert {name for name, _ in turn} == set("abc") and all(case is cases[number] for _, case in turn)
+        assert all(case is cases[number - 1] for _, case in warm[3 * number : 3 * number + 3])
     assert len({tuple(name for name, _ in turn) for turn in turns}) == 6
 
 
