@@ -105,7 +105,7 @@ def _look_along(elevation_map: ElevationMap, yaw: float, beside: float) -> Line 
     left = np.array([-direction[1], direction[0]])
     size = np.array(elevation_map.size)
     origin = elevation_map.position + beside * float(np.abs(left) @ size) * left
-    reach = float(np.hypot(*size)) / 2
+    reach = float(np.hypot(*size)) / 2 + LOOK
     along = np.arange(-reach, reach, STEP)
     points = origin + along[:, None, None, None] * direction + TRACKS[..., None] * left
     heights = elevation_map.sample(points).astype(np.float64)  # (looks, side, track)
