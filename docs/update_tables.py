@@ -1,8 +1,9 @@
 """Fill the tables of our pages from the files that commands wrote; `--check` only says whether they are up to date.
 
-COMMANDS says what writes the files of docs/results; courses.json and maps.json are `compare.json` of the commands that
-README names. export/anymal_b/metrics.json is written by `footsel export`, footsel/oracle/terrain_cost.json by `footsel
-terrain-cost fit`. Where a file is missing, the page says what would make it.
+COMMANDS says what writes the files of docs/results; courses.json and maps.json are `compare.json`, walks.json and its
+like are `walks.json` of the commands that README and docs/walking.md name. export/anymal_b/metrics.json is written by
+`footsel export`, footsel/oracle/terrain_cost.json by `footsel terrain-cost fit`. Where a file is missing, the page says
+what would make it.
 """
 
 import json
@@ -31,6 +32,9 @@ COMMANDS = {
     "verify.json": "make verify",
     "verify_meshes.json": "make verify-meshes",
     "verify_pybullet.json": "make verify-pybullet",
+    "walks.json": "footsel compare --walk",
+    "walks_camera.json": "footsel compare --walk --map camera",
+    "walks_maps.json": "footsel compare --walk MAPS",
 }
 
 
@@ -208,6 +212,78 @@ def comparison(file: str) -> str:
         f"{percent(cells['false_unsafe_rate'])}.\n"
     )
     return table(["selector", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
+
+
+def walks(file: str) -> str:
+    """Success rates of a comparison of walks, with their intervals."""
+    summary = read(RESULTS / file)["summary"]
+    selectors = list(dict.fromkeys(name for parts in summary.values() for name in parts))
+    rows = []
+    for terrain, parts in summary.items():
+        rates = [_rate(parts[name]) if name in parts else "-" for name in selectors]
+        rows.append([_terrain(terrain), str(next(iter(parts.values()))["n"]), *rates])
+    return table(["terrain", "walks each", *(f"`{name}`" for name in selectors)], rows)
+
+
+def walk_means(file: str) -> str:
+    """What walks came to, over those that reached the goal."""
+    rows = [
+        [
+            _terrain(terrain),
+            f"`{name}`",
+            str(round(part["n"] * part["success_rate"])),
+            *(number(part["means_of_successes"][metric], digits) for metric, (_, digits) in WALK_METRICS.items()),
+        ]
+        for terrain, parts in read(RESULTS / file)["summary"].items()
+        for name, part in parts.items()
+        if part["means_of_successes"] is not None
+    ]
+    return table(["terrain", "selector", "arrived", *(heading for heading, _ in WALK_METRICS.values())], rows)
+
+
+def walk_differences(file: str) -> str:
+    """The network minus each other selector, seed by seed."""
+    metrics = {
+        "success": "success",
+        "shank_impacts": "hard shank impacts",
+        "hind_shank_contact_s": "hind shanks touch [s]",
+    }
+    rows = [
+        [_terrain(terrain), f"`{name}`", *(_difference(entry[metric]) for metric in metrics)]
+        for terrain, others in read(RESULTS / file)["network_minus"].items()
+        for name, entry in others.items()
+    ]
+    return table(["terrain", "`cnn` minus", *metrics.values()], rows)
+
+
+#: Of a walk -> heading, digits.
+WALK_METRICS = {
+    "slip_max_mm": ("worst slip [mm]", 0),
+    "shank_impacts": ("hard shank impacts", 2),
+    "hind_shank_contact_s": ("hind shanks touch [s]", 2),
+    "tracking_error_mm": ("tracking error [mm]", 0),
+    "min_stability_margin_m": ("least margin [m]", 3),
+    "duration_s": ("time [s]", 0),
+    "realtime_factor": ("times real time", 1),
+}
+
+
+def _terrain(name: str) -> str:
+    """A terrain's name, or that of a map's file."""
+    return Path(name).stem
+
+
+def _rate(part: dict[str, Any]) -> str:
+    low, high = part["ci95"]
+    return f"{part['success_rate']:.0%} ({100 * low:.0f}–{100 * high:.0f})"
+
+
+def _difference(entry: dict[str, Any] | None) -> str:
+    if entry is None:
+        return "-"
+    sure = "**" if entry["sign_test_p"] < 0.05 else ""
+    low, high = entry["ci95"]
+    return f"{sure}{entry['mean']:+.2f}{sure} ({low:+.2f} to {high:+.2f})".replace("-", "−")
 
 
 def speed() -> str:
@@ -464,6 +540,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "paper": paper,
         "courses": lambda: comparison("courses.json"),
         "maps": lambda: comparison("maps.json"),
+        "walks": lambda: walks("walks.json"),
         "speed": speed,
         "verify": verify,
         "pybullet": pybullet,
@@ -489,6 +566,13 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "mesh bodies": mesh_bodies,
         "terrain": speed_by_terrain,
         "stages": speed_by_stage,
+    },
+    "docs/walking.md": {
+        "walks": lambda: walks("walks.json"),
+        "differences": lambda: walk_differences("walks.json"),
+        "means": lambda: walk_means("walks.json"),
+        "camera": lambda: walks("walks_camera.json"),
+        "maps": lambda: walks("walks_maps.json"),
     },
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
