@@ -1,5 +1,6 @@
 """The content of `walks.json`: every run, and per terrain and selector what they come to."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -68,6 +69,11 @@ def grouped(results: Sequence[WalkResult]) -> dict[str, dict[str, list[WalkResul
     return groups
 
 
+def kind_of(reason: str) -> str:
+    """A reason without its details, which stand in parentheses or after a colon."""
+    return re.split(r" \(|: ", reason, maxsplit=1)[0]
+
+
 def _summary(runs: Sequence[WalkResult], reference: Sequence[WalkResult] | None) -> dict[str, Any]:
     """Rates and means; `means_of_successes` leaves failed walks out, which stop early and so spare themselves much."""
     successes = [run for run in runs if run.success]
@@ -75,7 +81,7 @@ def _summary(runs: Sequence[WalkResult], reference: Sequence[WalkResult] | None)
         "n": len(runs),
         "success_rate": len(successes) / len(runs),
         "ci95": list(wilson_interval(len(successes), len(runs))),
-        "failures": dict(Counter(run.reason for run in runs if not run.success).most_common()),
+        "failures": dict(Counter(kind_of(run.reason) for run in runs if not run.success).most_common()),
         "means": _means(runs),
         "means_of_successes": _means(successes),
     }

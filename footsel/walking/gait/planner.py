@@ -149,9 +149,7 @@ class StepPlanner:
         following = np.delete(landed, LEGS.index(self._after(LEGS[index], 1)), axis=0)
         return self._solve(place, TILT_SHARE * plane_tilt(landed @ turn), landed, base, com, index, following)
 
-    def _pose_at_lift(
-        self, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose
-    ) -> PoseAnswer:
+    def _pose_at_lift(self, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose) -> PoseAnswer:
         """On the way to the pose at touchdown, as far back as the swing has time to go from."""
         back = base.position - touchdown.position
         share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))

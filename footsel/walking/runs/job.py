@@ -23,7 +23,7 @@ class WalkJob:
 
     terrain: a name in WALK_COURSES or a map file's path. selector: a name in SELECTORS. map: a name in MAPS.
     model: the network's folder, None for the robot's released one. map_options: how a map file is read, as of
-    terrain.formats.load.
+    terrain.formats.load. time_limit_s: of simulated time, None for what `walk` grants a course.
 
     Raises UnknownNameError for a selector or a map that does not exist.
     """
@@ -35,6 +35,7 @@ class WalkJob:
     robot: str = "anymal_b"
     model: Path | None = None
     map_options: Mapping[str, Any] = field(default_factory=dict)
+    time_limit_s: float | None = None
 
     def __post_init__(self) -> None:
         if self.selector not in SELECTORS:
@@ -60,6 +61,7 @@ class WalkJob:
             "robot": self.robot,
             "model": self._model_checksum() if self.selector in NETWORKS else None,
             "map_file": _checksum(Path(self.terrain)) if of_file else None,
+            "time_limit_s": self.time_limit_s,
             "map_options": {name: value for name, value in self.map_options.items() if value} if of_file else {},
         }
 

@@ -72,7 +72,7 @@ def kept(folder: Path, job: WalkJob) -> tuple[WalkResult, Trace] | None:
     path = folder / RUNS / job.file_name
     try:
         values = json.loads(path.read_text(encoding="utf-8"))
-        question, result, trace = values["question"], WalkResult(**values["result"]), Trace(**values["trace"])
+        question, result, trace = values["question"], WalkResult(**values["result"]), Trace.from_dict(values["trace"])
     except (FileNotFoundError, ValueError, KeyError, TypeError):
         return None
     differing = _differing(question, json.loads(json.dumps(job.question())))

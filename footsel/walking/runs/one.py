@@ -26,5 +26,6 @@ def run_job(
         job.map,
         job.selector,
         observers,
-        estimator=senses.estimator,
+        job.time_limit_s,
+        senses.estimator,
     )

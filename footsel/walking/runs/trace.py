@@ -1,5 +1,6 @@
 """Where a walk went: kept beside its result, to be drawn."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -20,5 +21,14 @@ class Trace:
     none: list[tuple[str, Point]] = field(default_factory=list)
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON values, in millimetres' precision."""
+        """As JSON values; `from_dict` is its inverse."""
         return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "Trace":
+        """From the JSON values of `to_dict`."""
+        return cls(
+            base=[(x, y, z) for x, y, z in values["base"]],
+            footholds=[(leg, (x, y, z)) for leg, (x, y, z) in values["footholds"]],
+            none=[(leg, (x, y, z)) for leg, (x, y, z) in values["none"]],
+        )

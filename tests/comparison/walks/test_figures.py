@@ -32,6 +32,12 @@ def test_rates_and_means(results):
     assert part["means_of_successes"]["distance_m"] == 4.5
 
 
+def test_failures_are_counted_by_their_kind(result):
+    reasons = ("fell (RH_KFE touched the ground)", "fell (base touched the ground)", "stopped: none for LF", "")
+    runs = [result(seed=seed, success=not reason, reason=reason) for seed, reason in enumerate(reasons)]
+    assert figures(runs)["summary"]["stairs"]["cnn"]["failures"] == {"fell": 2, "stopped": 1}
+
+
 def test_pairs_are_of_one_seed_and_of_walks_that_both_finished(result):
     ours = [result(seed=s, slip_max_mm=10.0 + s, success=s != 3) for s in (0, 1, 2, 3)]
     theirs = [result(selector="nominal", seed=s, slip_max_mm=30.0, success=s != 1) for s in (3, 2, 1, 7)]
