@@ -30,7 +30,7 @@ OBSERVER_PERIOD, MAP_PERIOD = 0.04, 0.1
 #: A walk may take as long as a robot needs that is this slow, and some more. [m/s], [s]
 SLOWEST, EXTRA_SECONDS = 0.03, 20.0
 #: A robot so far tilted, or so far from where it should be, has fallen. [rad], [m]
-FALLEN_TILT, FALLEN_DISTANCE = 0.9, 0.35
+FALLEN_TILT, FALLEN_DISTANCE = 0.9, 0.2
 #: Success needs less distance between the base and where it was told to be. [m]
 MOST_TRACKING_ERROR = 0.10
 #: The true base may be so far short of the goal that it believes to have reached. [m]

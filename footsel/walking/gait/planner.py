@@ -26,6 +26,9 @@ STANCE_LENGTH, STANCE_WIDTH, HEIGHT = 0.36, 0.245, 0.45
 STRIDE = 0.28
 #: Tried in turn until a selector finds a foothold: share of the stride, change of the base's height [m].
 VARIANTS = ((1.0, 0.0), (0.7, 0.0), (1.25, 0.0), (0.4, 0.0), (1.0, -0.05), (0.6, -0.05), (0.25, -0.08))
+#: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
+#: the pose for its own choice, and from which difference on. [m], [rad]
+ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
 #: The base takes this share of the tilt of the plane through the feet.
 TILT_SHARE = 0.8
 #: How far the base moves while a leg swings. [m]
@@ -109,22 +112,29 @@ class StepPlanner:
         if np.isnan(height):
             height = float(feet[:, 2].mean()) - self._radius
         target = np.array([*nominal, height + self._radius])
-        touchdown = self._pose_at_touchdown(feet, base, com, index, target, drop)
-        if problem := _flaw(touchdown):
-            return NoStep(problem)
-        foothold = self._ask(time, elevation_map, leg, touchdown.pose, nominal)
-        if foothold.position is None:
-            return NoStep(foothold.reason or "no foothold")
-        contact = np.array(foothold.position)
-        goal = contact + [0.0, 0.0, self._radius]
-        if touchdown.overreach > 0 or not self._reaches(touchdown.pose, index, goal):
-            touchdown = self._pose_at_touchdown(feet, touchdown.pose, com, index, goal, drop)
-            if problem := _flaw(touchdown):
-                return NoStep(problem)
-        lift = self._pose_at_lift(feet, base, com, index, touchdown.pose)
+        touchdown, foothold = None, None
+        for _ in range(1 + ASK_AGAIN):
+            answer = self._pose_at_touchdown(feet, base, com, index, target, drop)
+            if problem := _flaw(answer):
+                if foothold is None:
+                    return NoStep(problem)
+                break
+            if touchdown is not None and _near(answer.pose, touchdown):
+                break
+            choice = self._ask(time, elevation_map, leg, answer.pose, nominal)
+            if choice.position is None:
+                if foothold is None:
+                    return NoStep(choice.reason or "no foothold")
+                break
+            touchdown, foothold = answer.pose, np.array(choice.position)
+            target = foothold + np.array([0.0, 0.0, self._radius])
+        assert touchdown is not None and foothold is not None
+        if not self._reaches(touchdown, index, target):
+            return NoStep("the foothold is beyond the leg's reach")
+        lift = self._pose_at_lift(feet, base, com, index, touchdown)
         if problem := _flaw(lift):
             return NoStep(problem)
-        return Step(leg, contact, goal, lift.pose, touchdown.pose)
+        return Step(leg, foothold, target, lift.pose, touchdown)
 
     def _nominal(self, feet: Array, index: int, stride: float) -> Array:
         """(2,) N_i: half a stride and an eighth ahead of the leg's place about the middle of all feet, on the line."""
@@ -180,6 +190,12 @@ class StepPlanner:
     def _reaches(self, pose: BasePose, index: int, goal: Array) -> bool:
         hip = pose.position + pose.rotation() @ self._hips[index]
         return bool(np.linalg.norm(hip - goal) <= LONGEST_LEG + MOST_OVERREACH)
+
+
+def _near(pose: BasePose, other: BasePose) -> bool:
+    """Whether a selector would hardly answer otherwise at one pose than at the other."""
+    moved = np.abs(pose.position - other.position).max()
+    return bool(moved < OTHER_PLACE and max(abs(pose.roll - other.roll), abs(pose.pitch - other.pitch)) < OTHER_TILT)
 
 
 def places() -> Array:

@@ -35,11 +35,11 @@ SHORTEST_SHIFT, SHIFT_SPEED = 0.24, 0.25
 #: A foot takes up its load, and gives it up, in this time. [s]
 LOAD_SECONDS, UNLOAD_SECONDS = 0.12, 0.10
 #: The most that a standing foot is asked to carry, and the least. [N]
-LARGEST_FORCE, LEAST_FORCE = 450.0, 8.0
-#: A foot stands once the ground pushes it so hard. [N]
-TOUCHDOWN_FORCE = 12.0
+LARGEST_FORCE, LEAST_FORCE = 450.0, 15.0
+#: A foot has landed once the ground pushes it so hard; a leg that is let down weighs no more than a few newtons. [N]
+TOUCHDOWN_FORCE = 2.0
 #: How fast a foot comes down, and sinks on if the ground is late. [m/s]
-TOUCHDOWN_SPEED = 0.12
+TOUCHDOWN_SPEED = 0.15
 #: No ground is felt until a foot is so far below its foothold: it goes back to where it came from. [m]
 MISSING_DEPTH = 0.10
 
