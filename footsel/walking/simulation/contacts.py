@@ -17,11 +17,12 @@ LOWER_SHANK = 0.157
 class Contacts:
     """Contacts of one physics step, all forces on the robot in W, in [N].
 
-    foot_forces: (4, 3) by LEGS. shank_forces: (4,) sum of the normal forces on each shank beside the foot.
+    foot_forces, foot_normals: (4, 3) by LEGS; normals of the ground at the last contact point. shank_forces: (4,) sum of the normal forces on each shank beside the foot.
     others: names of the parts touched that are neither feet nor lower shanks.
     """
 
     foot_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((4, 3)))
+    foot_normals: NDArray[np.float64] = field(default_factory=lambda: np.tile([0.0, 0.0, 1.0], (4, 1)))
     shank_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(4))
     others: tuple[str, ...] = ()
 
@@ -52,6 +53,7 @@ def sort_contacts(
         distance = (dx * dx + dy * dy + dz * dz) ** 0.5
         if distance <= foot_radius + FOOT_MARGIN:
             normal, first, second = point[7], point[11], point[13]
+            contacts.foot_normals[leg] = normal
             for axis in range(3):
                 contacts.foot_forces[leg, axis] += (
                     force * normal[axis] + point[10] * first[axis] + point[12] * second[axis]

@@ -120,6 +120,16 @@ class Simulation:
             ]
         )
 
+    def foot_contact_velocities(self) -> Array:
+        """(4, 3) velocity of the feet's material where they touch the ground, by LEGS, in W, in [m/s]."""
+        states = self.client.getLinkStates(self.robot, self._shanks, computeLinkVelocity=1)
+        centres = self.feet()
+        velocities = np.zeros((4, 3))
+        for k, state in enumerate(states):
+            contact = centres[k] - self._foot_radius * self.contacts.foot_normals[k]
+            velocities[k] = np.asarray(state[6]) + np.cross(state[7], contact - np.asarray(state[0]))
+        return velocities
+
     def close(self) -> None:
         """End the simulation."""
         self.client.disconnect()
