@@ -36,8 +36,8 @@ class D435:
     width, height: of the image, in pixels; the field of view is 87 degrees wide at any width.
 
     - Noise of the disparity, `sigma_z = z^2 s / (f B)`, shared by neighbouring pixels, in steps of 1/32 px and of 1 mm.
-    - Fraying: beside an edge a pixel may show the neighbouring surface, going on as the plane that it is there. By how
-      far, is the published lateral noise of this camera.
+    - Fraying: beside an edge a pixel may show the neighbouring surface, or something between the two. How far from the
+      edge, is the published lateral noise of this camera.
     - Dropouts: what only the left imager sees, to the left of all that stands out, has no depth; nor has what is nearer
       than 0.28 m or farther than 3.25 m.
     """
@@ -98,13 +98,17 @@ class D435:
         return few.repeat(side, axis=0).repeat(side, axis=1)[: self.height, : self.width]
 
     def _frayed(self, disparity: Image, rng: np.random.Generator) -> Image:
-        """Each pixel shows the plane that one nearby lies on: planes, whose disparity is linear, stay as they are."""
+        """Each pixel shows the plane that one nearby lies on: planes, of linear disparity, stay as they are."""
         spread = LATERAL * FOCAL_PX / self._native
         v, u = np.indices(disparity.shape)
         down, right = (np.rint(spread * self._shared_normal(rng)).astype(np.intp) for _ in range(2))
         other = np.clip(v + down, 0, self.height - 1), np.clip(u + right, 0, self.width - 1)
         fall, slope = (_lesser_difference(disparity, axis)[other] for axis in (0, 1))
-        return np.asarray(disparity[other] + fall * (v - other[0]) + slope * (u - other[1]), dtype=np.float32)
+        there = disparity[other]
+        frayed = there + fall * (v - other[0]) + slope * (u - other[1])
+        # Not nearer than both surfaces, nor farther: a plane does not go on behind what ends it.
+        bounds = np.minimum(there, disparity), np.maximum(there, disparity)
+        return np.asarray(np.clip(frayed, *bounds), dtype=np.float32)
 
     def _hidden_from_the_right(self, disparity: Image) -> NDArray[np.bool_]:
         """(height, width) where the right imager sees a pixel from further right at the same place or left of it."""

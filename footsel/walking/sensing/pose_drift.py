@@ -1,14 +1,17 @@
 """The pose that a robot believes it has: the true one, and an error that grows as it goes.
 
 What legged state estimation leaves, put as a model instead of being simulated from an IMU and the legs: position and
-yaw, which nothing observes, drift as a random walk with the way gone; roll and pitch, which gravity tells, are off by a
-little that comes and goes. Assumed sizes: 1 cm of position and 0.5 degrees of yaw after 1 m, 0.2 degrees of tilt.
+yaw, which nothing observes, drift as a random walk with the way that the base goes, its swaying included; roll and
+pitch, which gravity tells, are off by a little that comes and goes. The sizes are assumed: 1 cm of position and 0.5
+degrees of yaw after 1 m, 0.2 degrees of tilt.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from footsel.walking.state import RobotState, StateEstimator
 
 Array = NDArray[np.float64]
 
@@ -26,42 +29,49 @@ class DriftRates:
     tilt_time: float = 2.0
 
 
-class PoseDrift:
-    """Estimated placements of the base for true ones, in the order of time; the first is exact but for the tilt."""
+class PoseDrift(StateEstimator):
+    """The true state with a base that is believed elsewhere; the first place is exact but for the tilt.
+
+    Velocities and forces are known in the base's frame and turned with it; joints are known.
+    """
 
     def __init__(self, rng: np.random.Generator, rates: DriftRates | None = None) -> None:
         self.rates = rates or DriftRates()
         self._rng = rng
-        self._time: float | None = None
-        self._true = np.eye(4)
+        self._last: RobotState | None = None
         self._position, self._yaw, self._tilt = np.zeros(3), 0.0, np.zeros(2)
         self._drifted = np.zeros((4, 4))
 
-    def estimate(self, time: float, true_base: Array) -> Array:
-        """(4, 4) estimated placement of the base in W for the true one at a time in [s]."""
-        rates, rng = self.rates, self._rng
-        if self._time is None:
-            self._position = true_base[:3, 3].copy()
+    def estimate(self, truth: RobotState) -> RobotState:
+        """As above."""
+        rates, rng, last = self.rates, self._rng, self._last
+        if last is None:
+            self._position = truth.base[:3, 3].copy()
             self._tilt = rng.normal(0, rates.tilt, 2)
         else:
-            step = _turn_about_z(self._yaw) @ (true_base[:3, 3] - self._true[:3, 3])
-            way = float(np.linalg.norm(step))
+            step = _turn_about_z(self._yaw) @ (truth.base[:3, 3] - last.base[:3, 3])
             carried = np.eye(4)
             carried[:2, 3] = -step[1], step[0]
-            noise = np.array([rates.position**2] * 3 + [rates.yaw**2]) * way
+            noise = np.array([rates.position**2] * 3 + [rates.yaw**2]) * np.linalg.norm(step)
             self._drifted = carried @ self._drifted @ carried.T + np.diag(noise)
             *slip, turn = rng.normal(0, np.sqrt(noise))
             self._position = self._position + step + slip
             self._yaw += turn
-            kept = np.exp(-(time - self._time) / rates.tilt_time)
+            kept = np.exp(-(truth.time - last.time) / rates.tilt_time)
             self._tilt = kept * self._tilt + np.sqrt(1 - kept**2) * rng.normal(0, rates.tilt, 2)
-        self._time, self._true = time, true_base.copy()
-        estimate = np.eye(4)
-        estimate[:3, :3] = _small_turn(*self._tilt) @ _turn_about_z(self._yaw) @ true_base[:3, :3]
-        estimate[:3, 3] = self._position
-        return estimate
+        self._last = truth
+        error = _small_turn(*self._tilt) @ _turn_about_z(self._yaw)
+        base = np.eye(4)
+        base[:3, :3] = error @ truth.base[:3, :3]
+        base[:3, 3] = self._position
+        return replace(
+            truth,
+            base=base,
+            linear=error @ truth.linear,
+            angular=error @ truth.angular,
+            foot_forces=truth.foot_forces @ error.T,
+        )
 
-    @property
     def covariance(self) -> Array:
         """(6, 6) of the last estimate: x, y, z, in [m], and a rotation vector, in [rad], along W's axes."""
         covariance = np.diag([0, 0, 0, self.rates.tilt**2, self.rates.tilt**2, 0])
