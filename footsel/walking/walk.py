@@ -17,7 +17,7 @@ from footsel.walking.gait.planner import counter_clockwise
 from footsel.walking.gait.start import standing_start
 from footsel.walking.gait.walker import Walker
 from footsel.walking.map_source import MapSource
-from footsel.walking.metrics import Metrics, tilt
+from footsel.walking.metrics import Metrics
 from footsel.walking.observer import Choice, Moment, WalkObserver
 from footsel.walking.result import WalkResult
 from footsel.walking.simulation import TIME_STEP, Simulation
@@ -157,9 +157,9 @@ class _Walk:
                 observer.see_choice(moment)
 
     def _fallen(self) -> str:
-        if tilt(self._state.base) > FALLEN_TILT:
+        if self._state.base[2, 2] < np.cos(FALLEN_TILT):
             return self._with_contacts("fell over")
-        if np.linalg.norm(self._state.base[:3, 3] - self.walker.target[:3]) > FALLEN_DISTANCE:
+        if self.walker.tracking_error(self._state) > FALLEN_DISTANCE:
             return self._with_contacts("fell")
         return ""
 

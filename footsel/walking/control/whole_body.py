@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from footsel.walking.control.dynamics import Motion
 from footsel.walking.control.force_problem import force_problem, reduce_to_forces
+from footsel.walking.vectors import cross
 
 Array = NDArray[np.float64]
 
@@ -53,12 +54,9 @@ def whole_body_effort(motion: Motion, rotation: Array, linear: Array, angular: A
     rotation: (3, 3) of the base in W. linear, angular: (3,) the base's velocity in W.
     """
     # The acceleration of a point, seen from the turning base frame.
-    wanted = np.concatenate(
-        [
-            (task.base_acceleration[:3] - np.cross(angular, linear)) @ rotation,
-            task.base_acceleration[3:] @ rotation,
-        ]
-    )
+    wanted = np.empty(6)
+    wanted[:3] = (task.base_acceleration[:3] - cross(angular.tolist(), linear.tolist())) @ rotation
+    wanted[3:] = task.base_acceleration[3:] @ rotation
     G, g, T, t = reduce_to_forces(
         motion.mass, motion.bias, motion.jacobian, motion.drift, task.feet_acceleration.ravel()
     )

@@ -1,6 +1,6 @@
 """The next step: which leg, which foothold, and where the base is meanwhile."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +24,12 @@ ORDER = ("LH", "LF", "RH", "RF")
 STANCE_LENGTH, STANCE_WIDTH, HEIGHT = 0.36, 0.245, 0.45
 #: From one foothold of a leg to the next. [m]
 STRIDE = 0.28
-#: Tried in turn until a selector finds a foothold: share of the stride, change of the base's height [m].
-VARIANTS = ((1.0, 0.0), (0.7, 0.0), (1.25, 0.0), (0.4, 0.0), (1.0, -0.05), (0.6, -0.05), (0.25, -0.08))
+#: Tried in turn until a selector finds a foothold that gains enough: share of the stride, change of the base's height
+#: [m]. The later ones are for a leg that has no foothold at all.
+VARIANTS = ((1.0, 0.0), (1.25, 0.0), (1.0, -0.06), (0.6, 0.0), (0.6, -0.06), (0.25, -0.06), (1.5, -0.06))
+LAST_FOR_GAIN = 2
+#: How far along the line a foot has to get for its swing to be worth it: at its turn, and if no leg gets that far. [m]
+ENOUGH_GAIN, LEAST_GAIN = 0.08, 0.015
 #: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
 #: the pose for its own choice, and from which difference on. [m], [rad]
 ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
@@ -77,20 +81,32 @@ class StepPlanner:
         com: (3,) centre of mass in the base frame, in [m].
         """
         reasons: dict[str, str] = {}
-        for leg, stride, drop in self._attempts():
-            step = self._try(time, elevation_map, feet, base, com, leg, stride, drop)
-            if isinstance(step, Step):
-                self._last = leg
-                return step
-            reasons.setdefault(leg, step.reason)
-        leg = self._after(self._last, 1)
-        return NoStep(f"no step for any leg; {leg}: {reasons[leg]}")
-
-    def _attempts(self) -> Iterator[tuple[str, float, float]]:
-        """Leg, share of the stride, change of height: the leg whose turn it is in all ways, then the others."""
+        best: tuple[float, Step] | None = None
         for turn in range(1, 5):
-            for stride, drop in VARIANTS:
-                yield self._after(self._last, turn), stride, drop
+            leg = self._after(self._last, turn)
+            for number, (stride, drop) in enumerate(VARIANTS):
+                step = self._try(time, elevation_map, feet, base, com, leg, stride, drop)
+                if isinstance(step, NoStep):
+                    reasons.setdefault(leg, step.reason)
+                    continue
+                gain = self._gain(feet, step)
+                if gain >= ENOUGH_GAIN:
+                    self._last = leg
+                    return step
+                if best is None or gain > best[0]:
+                    best = gain, step
+                if number >= LAST_FOR_GAIN:
+                    break
+        if best is not None and best[0] > LEAST_GAIN:
+            self._last = best[1].leg
+            return best[1]
+        leg = self._after(self._last, 1)
+        return NoStep(f"no leg gets any further; {leg}: {reasons.get(leg, 'no foothold ahead')}")
+
+    def _gain(self, feet: Array, step: Step) -> float:
+        """How far the foot gets along the line, in [m]."""
+        ends = self._line.to_line(np.stack([feet[LEGS.index(step.leg), :2], step.goal[:2]]))
+        return float(ends[1, 0] - ends[0, 0])
 
     def _after(self, leg: str, turns: int) -> str:
         return ORDER[(ORDER.index(leg) + turns) % 4]
