@@ -27,6 +27,7 @@ COMMANDS = {
     "held_out.json": "python docs/judge.py held_out",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
+    "mapping.json": "python docs/measure_mapping.py",
     "paper.json": "python docs/judge.py paper",
     "verify.json": "make verify",
     "verify_meshes.json": "make verify-meshes",
@@ -208,6 +209,41 @@ def comparison(file: str) -> str:
         f"{percent(cells['false_unsafe_rate'])}.\n"
     )
     return table(["selector", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
+
+
+def mapping() -> str:
+    """The camera map on walking courses."""
+    result = read(RESULTS / "mapping.json")
+    head = [f"{result['seeds']} courses of each, mean", "cells known", "of these beside no edge", "median error [mm]"]
+    head += ["95 % [mm]", "too high", "too low", "normalised error", "pose off by [mm]"]
+    rows = [
+        [
+            name,
+            percent(course["known"]),
+            percent(course["known_even"]),
+            number(course["median_mm"]),
+            number(course["p95_mm"]),
+            percent(course["too_high"]),
+            percent(course["too_low"]),
+            number(course["normalised"], 2),
+            number(course["drift_mm"]),
+        ]
+        for name, course in result["courses"].items()
+    ]
+    return table(head, rows)
+
+
+def mapping_times() -> str:
+    """What an image costs."""
+    result = read(RESULTS / "mapping.json")
+    steps = {
+        "render": "TinyRenderer's true depth",
+        "read": "`D435.read`",
+        "bodies": "the robot's capsules",
+        "integrate": "`ElevationMapping.integrate`",
+    }
+    rows = [[name, number(result["time_ms"][step])] for step, name in steps.items()]
+    return table([f"one image of 424x240, median on one core of {result['cpu']}", "ms"], rows)
 
 
 def speed() -> str:
@@ -490,6 +526,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "terrain": speed_by_terrain,
         "stages": speed_by_stage,
     },
+    "docs/mapping.md": {"mapping": mapping, "times": mapping_times},
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
 

@@ -131,6 +131,10 @@ class ElevationMapping:
             raise InputError(
                 f"points of shape {places.shape}", "expected three or more finite points (k, 3), in metres"
             )
+        if not (np.isfinite(margin) and 0 < variance < np.inf):
+            raise InputError(
+                f"margin {margin} m and variance {variance} m^2", "expected finite numbers, a variance above 0"
+            )
         low, high = places[:, :2].min(axis=0) - margin, places[:, :2].max(axis=0) + margin
         centres = self._grid.centres(np.arange(self.config.cells**2))
         patch = ((centres >= low) & (centres <= high)).all(axis=1) & np.isnan(self._height.reshape(-1))
