@@ -31,11 +31,11 @@ from footsel.walking.simulation import Simulation
 DOCS = Path(__file__).resolve().parent
 COURSES, SEEDS = ("flat", "slopes", "stairs", "blocks", "rubble", "stones"), (0, 1)
 #: How far the robot is carried, how fast, and how often it looks. [m], [m/s], [s]
-WAY, SPEED, PERIOD = 0.9, 0.055, 0.3
+WAY, SPEED, PERIOD = 0.8, 0.055, 0.5
 #: Where the next front feet may land, ahead of the base and to its sides. [m]
 REACH, SIDE = (0.25, 0.95), 0.5
-#: Where neighbouring cells differ by more, there is an edge; errors of height are told of cells beside none. [m]
-EDGE = 0.03
+#: Errors of height are told of cells within 4 cm of which the ground changes by less, and which lie in no gap. [m]
+EDGE, GAP = 0.04, -0.25
 #: A known cell that is off by more than this from all that is around it shows what is not there. [m]
 MISTAKE = 0.05
 #: The median of squares of a standard normal number.
@@ -65,7 +65,8 @@ def measure(name: str, seed: int) -> dict[str, float]:
     found, expected, (x, y) = compared(source.elevation_map(), true_base, estimate, ground)
     highest, lowest = (around(expected, extreme) for extreme in (np.fmax, np.fmin))
     near = (x > REACH[0]) & (x < REACH[1]) & (np.abs(y) < SIDE) & np.isfinite(expected)
-    known, even = near & np.isfinite(found), highest - lowest < 2 * EDGE
+    change = around(highest, np.fmax) - around(lowest, np.fmin)
+    known, even = near & np.isfinite(found), (change < EDGE) & (expected > GAP)
     error = (found - expected)[known & even]
     return {
         "known": float(known.sum() / near.sum()),

@@ -1,6 +1,7 @@
 """The map itself: it follows the robot, grows uncertain with its motion and learns from depth images."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +115,7 @@ class ElevationMapping:
         readings = read_cells(image, camera, placement, self._grid, self.config)
         if self._base is not None:
             noise = attitude_variance(self._grid.centres(readings.cells), self._base, self._covariance)
-            readings = CellReadings(readings.cells, readings.height, readings.variance + noise)
+            readings = replace(readings, variance=readings.variance + noise, lasting=noise)
         self._forget_what_is_seen_through(image, camera, placement, readings)
         self._fuse(readings)
         self._hold_variances()
@@ -141,9 +142,8 @@ class ElevationMapping:
         middle = places.mean(axis=0)
         slope, *_ = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=None)
         cells = np.flatnonzero(patch)
-        self._fuse(
-            CellReadings(cells, middle[2] + (centres[cells] - middle[:2]) @ slope, np.full(len(cells), variance))
-        )
+        heights = middle[2] + (centres[cells] - middle[:2]) @ slope
+        self._fuse(CellReadings(cells, heights, np.full(len(cells), variance), np.zeros(len(cells))))
         self._hold_variances()
 
     def _forget_what_is_seen_through(
@@ -167,7 +167,11 @@ class ElevationMapping:
         return np.asarray(squares <= self.config.gate**2 * (variance + readings.variance))
 
     def _fuse(self, readings: CellReadings) -> None:
-        """One step of a Kalman filter in each cell that knows something; new cells take the reading as it is."""
+        """One step of a Kalman filter in each cell that knows something; new cells take the reading as it is.
+
+        The attitude errs for longer than from image to image, so many images do not average its errors away: no cell
+        becomes surer by a reading than those leave it.
+        """
         height, variance = self._height.reshape(-1), self._variance.reshape(-1)
         cells = readings.cells
         new, agree = np.isnan(height[cells]), self._agree(readings)
@@ -176,7 +180,8 @@ class ElevationMapping:
         both = cells[agree]
         prior, other = variance[both], readings.variance[agree]
         height[both] = (prior * readings.height[agree] + other * height[both]) / (prior + other)
-        variance[both] = prior * other / (prior + other)
+        fused = prior * other / (prior + other)
+        variance[both] = np.minimum(prior, np.maximum(fused, readings.lasting[agree]))
 
         variance[cells[~new & ~agree]] += self.config.multi_height_variance
         self._place_variance.reshape(-1, 2)[cells[new | agree]] = self.config.horizontal_variance[0]
