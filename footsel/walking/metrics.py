@@ -10,6 +10,7 @@ from footsel.walking.gait.planner import counter_clockwise
 from footsel.walking.gait.walker import Walker
 from footsel.walking.simulation import TIME_STEP, Simulation
 from footsel.walking.state import RobotState
+from footsel.walking.vectors import length
 
 Array = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ class Metrics:
         self._slip, self._slip_max = np.zeros((4, 3)), np.zeros(4)
         self._stances: list[float] = []
         self._standing = [True] * 4
-        self._impact = np.zeros(4, dtype=bool)
+        self._impact = [False] * 4
         self.shank_impacts = 0
         self.hind_shank_ticks = 0
         self.tracking_error = 0.0
@@ -42,12 +43,11 @@ class Metrics:
         contacts = simulation.contacts
         for part in contacts.others:
             self.touched.setdefault(part, simulation.time)
-        hits = contacts.shank_forces > IMPACT
-        self.shank_impacts += int((hits & ~self._impact).sum())
-        self._impact = hits
-        self.hind_shank_ticks += bool(contacts.shank_forces[2:].any())
-        error = float(np.linalg.norm(state.base[:3, 3] - walker.target[:3]))
-        self.tracking_error = max(self.tracking_error, error)
+        for k, force in enumerate(contacts.shank_forces):
+            self.shank_impacts += force > IMPACT and not self._impact[k]
+            self._impact[k] = force > IMPACT
+        self.hind_shank_ticks += any(contacts.shank_forces[2:])
+        self.tracking_error = max(self.tracking_error, walker.tracking_error(state))
         if self._ticks % EVERY == 0:
             self._watch_feet(simulation, walker)
             corners = counter_clockwise(walker.motion.feet[walker.standing][:, :2])
@@ -77,11 +77,6 @@ class Metrics:
             elif self._standing[k] and not standing:
                 self._stances.append(float(self._slip_max[k]))
             self._standing[k] = standing
-            if standing and np.linalg.norm(simulation.contacts.foot_forces[k]) > STANDING:
+            if standing and length(simulation.contacts.foot_forces[k]) > STANDING:
                 self._slip[k] += velocities[k] * TIME_STEP * EVERY
-                self._slip_max[k] = max(self._slip_max[k], float(np.linalg.norm(self._slip[k])))
-
-
-def tilt(base: Array) -> float:
-    """Angle between the base's z axis and the vertical, in [rad]."""
-    return float(np.arccos(np.clip(base[2, 2], -1, 1)))
+                self._slip_max[k] = max(self._slip_max[k], length(self._slip[k]))

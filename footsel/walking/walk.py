@@ -17,7 +17,7 @@ from footsel.walking.gait.planner import counter_clockwise
 from footsel.walking.gait.start import standing_start
 from footsel.walking.gait.walker import Walker
 from footsel.walking.map_source import MapSource
-from footsel.walking.metrics import Metrics, tilt
+from footsel.walking.metrics import Metrics
 from footsel.walking.observer import Choice, Moment, WalkObserver
 from footsel.walking.result import WalkResult
 from footsel.walking.simulation import TIME_STEP, Simulation
@@ -30,7 +30,7 @@ OBSERVER_PERIOD, MAP_PERIOD = 0.04, 0.1
 #: A walk may take as long as a robot needs that is this slow, and some more. [m/s], [s]
 SLOWEST, EXTRA_SECONDS = 0.03, 20.0
 #: A robot so far tilted, or so far from where it should be, has fallen. [rad], [m]
-FALLEN_TILT, FALLEN_DISTANCE = 0.9, 0.35
+FALLEN_TILT, FALLEN_DISTANCE = 0.9, 0.2
 #: Success needs less distance between the base and where it was told to be. [m]
 MOST_TRACKING_ERROR = 0.10
 #: The true base may be so far short of the goal that it believes to have reached. [m]
@@ -157,9 +157,9 @@ class _Walk:
                 observer.see_choice(moment)
 
     def _fallen(self) -> str:
-        if tilt(self._state.base) > FALLEN_TILT:
+        if self._state.base[2, 2] < np.cos(FALLEN_TILT):
             return self._with_contacts("fell over")
-        if np.linalg.norm(self._state.base[:3, 3] - self.walker.target[:3]) > FALLEN_DISTANCE:
+        if self.walker.tracking_error(self._state) > FALLEN_DISTANCE:
             return self._with_contacts("fell")
         return ""
 

@@ -22,10 +22,13 @@ STABILITY_MARGIN = 0.055
 LONGEST_LEG, SHORTEST_LEG = 0.53, 0.27
 #: The base tilts no further. [rad]
 STEEPEST = 0.4
+#: A leg longer than this is told to shorten, if it costs little: the base goes down where feet stand on different
+#: levels. [m]
+COMFORTABLE_LEG = 0.46
 #: What a radian off the best tilt costs beside a metre off the best place, both squared. [m^2 / rad^2]
 TILT_WEIGHT = 0.25
-#: The same for a metre outside a bound.
-BOUND_WEIGHT, NEXT_WEIGHT = 2.5e3, 8.0
+#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg.
+BOUND_WEIGHT, NEXT_WEIGHT, COMFORT_WEIGHT = 2.5e3, 8.0, 2.0
 ITERATIONS = 6
 #: Largest change of a position and an angle in one iteration. [m], [rad]
 LARGEST_STEP = np.array([0.2, 0.2, 0.2, 0.3, 0.3])
@@ -86,10 +89,14 @@ def inward_edges(corners: Array) -> tuple[Array, Array]:
 
 
 def _step(problem: PoseProblem, values: Array) -> Array:
-    """(5,) change that solves the problem linearised at `values`; slacks for support, next support and reach."""
+    """(5,) change that solves the problem linearised at `values`.
+
+    The slacks are those of support, next support, reach and, one per leg, comfort.
+    """
     points = np.concatenate([problem.com[None], problem.hips])
     moved, jacobians = _move(problem.yaw, values, points)
-    H, c = np.diag([1e-6] * 5 + [2 * BOUND_WEIGHT, 2 * NEXT_WEIGHT, 2 * BOUND_WEIGHT]), np.zeros(8)
+    weights = [BOUND_WEIGHT, NEXT_WEIGHT, BOUND_WEIGHT] + [COMFORT_WEIGHT] * 4
+    H, c = np.diag([0.0] * 5 + [2 * weight for weight in weights]), np.zeros(12)
     H[range(3), range(3)] += 2
     c[:3] += 2 * (problem.place - values[:3])
     H[range(3, 5), range(3, 5)] += 2 * TILT_WEIGHT
@@ -98,7 +105,7 @@ def _step(problem: PoseProblem, values: Array) -> Array:
     rows, bounds = [], []
 
     def bound(row: Array, slack: int | None, least: float) -> None:
-        rows.append(np.concatenate([row, np.eye(3)[slack] if slack is not None else np.zeros(3)]))
+        rows.append(np.concatenate([row, np.eye(7)[slack] if slack is not None else np.zeros(7)]))
         bounds.append(least)
 
     for slack, corners in ((0, problem.support), (1, problem.next_support)):
@@ -110,6 +117,7 @@ def _step(problem: PoseProblem, values: Array) -> Array:
         length = float(np.linalg.norm(leg))
         row = leg / length @ jacobians[1 + k]
         bound(-row, 2, length - LONGEST_LEG)
+        bound(-row, 3 + k, length - COMFORTABLE_LEG)
         bound(row, 2, SHORTEST_LEG - length)
     for axis in range(5):
         row = np.eye(5)[axis]
@@ -118,7 +126,7 @@ def _step(problem: PoseProblem, values: Array) -> Array:
             low, high = max(low, -STEEPEST - values[axis]), min(high, STEEPEST - values[axis])
         bound(row, None, min(low, 0.0))
         bound(-row, None, -max(high, 0.0))
-    for slack in range(3):
+    for slack in range(7):
         bound(np.zeros(5), slack, 0.0)
     return np.asarray(quadprog.solve_qp(H, c, np.array(rows).T, np.array(bounds))[0][:5])
 

@@ -66,12 +66,12 @@ def force_problem(
     normals: Array,
     limits: Array,
     friction: float,
-    force_weight: float,
+    force_weights: tuple[float, float],
     torque_limit: float,
 ) -> tuple[Array, Array, Array, Array]:  # pragma: no cover - compiled
     """The quadratic programme `min 1/2 f'Hf - c'f` subject to `A'f >= b` over the standing feet's forces.
 
-    base_acceleration: (6,) wanted, in the base frame. base_weights: (6,).
+    base_acceleration: (6,) wanted, in the base frame. base_weights: (6,). force_weights: normal, tangential.
     normals: (4, 3) of the ground under the feet, in W. limits: (4, 2) least and largest normal force, in [N]; a foot
     whose largest is 0 does not stand and has no variables.
     """
@@ -91,8 +91,12 @@ def force_problem(
             weighted[c, r] = Gs[r, c] * base_weights[r]
     H = weighted @ Gs
     c_vector = weighted @ (base_acceleration - g)
-    for c in range(n):
-        H[c, c] += force_weight
+    for s in range(len(standing)):
+        normal = normals[standing[s]]
+        for i in range(3):
+            H[3 * s + i, 3 * s + i] += force_weights[1]
+            for j in range(3):
+                H[3 * s + i, 3 * s + j] += (force_weights[0] - force_weights[1]) * normal[i] * normal[j]
 
     rows = 6 * len(standing) + 24
     A, b = np.zeros((n, rows)), np.empty(rows)

@@ -8,16 +8,20 @@ from numpy.typing import NDArray
 
 from footsel.walking.control.dynamics import Motion
 from footsel.walking.control.force_problem import force_problem, reduce_to_forces
+from footsel.walking.vectors import cross
 
 Array = NDArray[np.float64]
 
 #: What the drives give (effort limits of ANYmal B's URDF). [Nm]
 TORQUE_LIMIT = 80.0
-#: Below the true friction, so that an error of the normal does not make a foot slip.
-FRICTION = 0.55
-#: Worth of the base's linear and angular accelerations beside the forces: these only choose among equals.
-BASE_WEIGHTS = np.array([10.0, 10.0, 10.0, 10.0, 10.0, 10.0])
-FORCE_WEIGHT = 1e-4
+#: Of the pyramid, along each of its axes: its corners, 1.41 times as far, stay below the true friction, with a reserve
+#: for errors of the normal.
+FRICTION = 0.45
+#: Worth of the base's linear and angular accelerations; yaw is worth less, or feet would twist against the ground
+#: whenever a leg swings.
+BASE_WEIGHTS = np.array([10.0, 10.0, 10.0, 10.0, 10.0, 3.0])
+#: Worth of small normal and tangential forces beside them.
+FORCE_WEIGHTS = (1e-4, 5e-4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +54,14 @@ def whole_body_effort(motion: Motion, rotation: Array, linear: Array, angular: A
     rotation: (3, 3) of the base in W. linear, angular: (3,) the base's velocity in W.
     """
     # The acceleration of a point, seen from the turning base frame.
-    wanted = np.concatenate(
-        [
-            (task.base_acceleration[:3] - np.cross(angular, linear)) @ rotation,
-            task.base_acceleration[3:] @ rotation,
-        ]
-    )
+    wanted = np.empty(6)
+    wanted[:3] = (task.base_acceleration[:3] - cross(angular.tolist(), linear.tolist())) @ rotation
+    wanted[3:] = task.base_acceleration[3:] @ rotation
     G, g, T, t = reduce_to_forces(
         motion.mass, motion.bias, motion.jacobian, motion.drift, task.feet_acceleration.ravel()
     )
     H, c, A, b = force_problem(
-        G, g, T, t, wanted, BASE_WEIGHTS, task.normals, task.limits, FRICTION, FORCE_WEIGHT, TORQUE_LIMIT
+        G, g, T, t, wanted, BASE_WEIGHTS, task.normals, task.limits, FRICTION, FORCE_WEIGHTS, TORQUE_LIMIT
     )
     standing = task.limits[:, 1] > 0
     forces = np.zeros((4, 3))

@@ -1,6 +1,6 @@
 """The next step: which leg, which foothold, and where the base is meanwhile."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +24,15 @@ ORDER = ("LH", "LF", "RH", "RF")
 STANCE_LENGTH, STANCE_WIDTH, HEIGHT = 0.36, 0.245, 0.45
 #: From one foothold of a leg to the next. [m]
 STRIDE = 0.28
-#: Tried in turn until a selector finds a foothold: share of the stride, change of the base's height [m].
-VARIANTS = ((1.0, 0.0), (0.7, 0.0), (1.25, 0.0), (0.4, 0.0), (1.0, -0.05), (0.6, -0.05), (0.25, -0.08))
+#: Tried in turn until a selector finds a foothold that gains enough: share of the stride, change of the base's height
+#: [m]. The later ones are for a leg that has no foothold at all.
+VARIANTS = ((1.0, 0.0), (1.25, 0.0), (1.0, -0.06), (0.6, 0.0), (0.6, -0.06), (0.25, -0.06), (1.5, -0.06))
+LAST_FOR_GAIN = 2
+#: How far along the line a foot has to get for its swing to be worth it: at its turn, and if no leg gets that far. [m]
+ENOUGH_GAIN, LEAST_GAIN = 0.08, 0.015
+#: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
+#: the pose for its own choice, and from which difference on. [m], [rad]
+ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
 #: The base takes this share of the tilt of the plane through the feet.
 TILT_SHARE = 0.8
 #: How far the base moves while a leg swings. [m]
@@ -74,20 +81,32 @@ class StepPlanner:
         com: (3,) centre of mass in the base frame, in [m].
         """
         reasons: dict[str, str] = {}
-        for leg, stride, drop in self._attempts():
-            step = self._try(time, elevation_map, feet, base, com, leg, stride, drop)
-            if isinstance(step, Step):
-                self._last = leg
-                return step
-            reasons.setdefault(leg, step.reason)
-        leg = self._after(self._last, 1)
-        return NoStep(f"no step for any leg; {leg}: {reasons[leg]}")
-
-    def _attempts(self) -> Iterator[tuple[str, float, float]]:
-        """Leg, share of the stride, change of height: the leg whose turn it is in all ways, then the others."""
+        best: tuple[float, Step] | None = None
         for turn in range(1, 5):
-            for stride, drop in VARIANTS:
-                yield self._after(self._last, turn), stride, drop
+            leg = self._after(self._last, turn)
+            for number, (stride, drop) in enumerate(VARIANTS):
+                step = self._try(time, elevation_map, feet, base, com, leg, stride, drop)
+                if isinstance(step, NoStep):
+                    reasons.setdefault(leg, step.reason)
+                    continue
+                gain = self._gain(feet, step)
+                if gain >= ENOUGH_GAIN:
+                    self._last = leg
+                    return step
+                if best is None or gain > best[0]:
+                    best = gain, step
+                if number >= LAST_FOR_GAIN:
+                    break
+        if best is not None and best[0] > LEAST_GAIN:
+            self._last = best[1].leg
+            return best[1]
+        leg = self._after(self._last, 1)
+        return NoStep(f"no leg gets any further; {leg}: {reasons.get(leg, 'no foothold ahead')}")
+
+    def _gain(self, feet: Array, step: Step) -> float:
+        """How far the foot gets along the line, in [m]."""
+        ends = self._line.to_line(np.stack([feet[LEGS.index(step.leg), :2], step.goal[:2]]))
+        return float(ends[1, 0] - ends[0, 0])
 
     def _after(self, leg: str, turns: int) -> str:
         return ORDER[(ORDER.index(leg) + turns) % 4]
@@ -109,22 +128,29 @@ class StepPlanner:
         if np.isnan(height):
             height = float(feet[:, 2].mean()) - self._radius
         target = np.array([*nominal, height + self._radius])
-        touchdown = self._pose_at_touchdown(feet, base, com, index, target, drop)
-        if problem := _flaw(touchdown):
-            return NoStep(problem)
-        foothold = self._ask(time, elevation_map, leg, touchdown.pose, nominal)
-        if foothold.position is None:
-            return NoStep(foothold.reason or "no foothold")
-        contact = np.array(foothold.position)
-        goal = contact + [0.0, 0.0, self._radius]
-        if touchdown.overreach > 0 or not self._reaches(touchdown.pose, index, goal):
-            touchdown = self._pose_at_touchdown(feet, touchdown.pose, com, index, goal, drop)
-            if problem := _flaw(touchdown):
-                return NoStep(problem)
-        lift = self._pose_at_lift(feet, base, com, index, touchdown.pose)
+        touchdown, foothold = None, None
+        for _ in range(1 + ASK_AGAIN):
+            answer = self._pose_at_touchdown(feet, base, com, index, target, drop)
+            if problem := _flaw(answer):
+                if foothold is None:
+                    return NoStep(problem)
+                break
+            if touchdown is not None and _near(answer.pose, touchdown):
+                break
+            choice = self._ask(time, elevation_map, leg, answer.pose, nominal)
+            if choice.position is None:
+                if foothold is None:
+                    return NoStep(choice.reason or "no foothold")
+                break
+            touchdown, foothold = answer.pose, np.array(choice.position)
+            target = foothold + np.array([0.0, 0.0, self._radius])
+        assert touchdown is not None and foothold is not None
+        if not self._reaches(touchdown, index, target):
+            return NoStep("the foothold is beyond the leg's reach")
+        lift = self._pose_at_lift(feet, base, com, index, touchdown)
         if problem := _flaw(lift):
             return NoStep(problem)
-        return Step(leg, contact, goal, lift.pose, touchdown.pose)
+        return Step(leg, foothold, target, lift.pose, touchdown)
 
     def _nominal(self, feet: Array, index: int, stride: float) -> Array:
         """(2,) N_i: half a stride and an eighth ahead of the leg's place about the middle of all feet, on the line."""
@@ -149,9 +175,7 @@ class StepPlanner:
         following = np.delete(landed, LEGS.index(self._after(LEGS[index], 1)), axis=0)
         return self._solve(place, TILT_SHARE * plane_tilt(landed @ turn), landed, base, com, index, following)
 
-    def _pose_at_lift(
-        self, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose
-    ) -> PoseAnswer:
+    def _pose_at_lift(self, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose) -> PoseAnswer:
         """On the way to the pose at touchdown, as far back as the swing has time to go from."""
         back = base.position - touchdown.position
         share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))
@@ -182,6 +206,12 @@ class StepPlanner:
     def _reaches(self, pose: BasePose, index: int, goal: Array) -> bool:
         hip = pose.position + pose.rotation() @ self._hips[index]
         return bool(np.linalg.norm(hip - goal) <= LONGEST_LEG + MOST_OVERREACH)
+
+
+def _near(pose: BasePose, other: BasePose) -> bool:
+    """Whether a selector would hardly answer otherwise at one pose than at the other."""
+    moved = np.abs(pose.position - other.position).max()
+    return bool(moved < OTHER_PLACE and max(abs(pose.roll - other.roll), abs(pose.pitch - other.pitch)) < OTHER_TILT)
 
 
 def places() -> Array:

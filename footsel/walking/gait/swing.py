@@ -20,8 +20,8 @@ CAUTION = 0.06
 LIFT = 0.06
 #: So near to its ends the path may be close to the ground, but no deeper in what is under the foot than this. [m]
 ENDS, ROUGHNESS = 0.05, 0.012
-#: Speeds on average, up, along and down. [m/s]
-RISE_SPEED, ALONG_SPEED, SINK_SPEED = 0.9, 0.9, 0.55
+#: Largest accelerations up, along and down: the base has to hold against the leg. [m/s^2]
+RISE, ALONG, SINK = 9.0, 10.0, 7.0
 SHORTEST_PHASE = 0.12
 #: Shares of the rise and of the sinking during which the foot does not move forward: tried from the boldest on.
 WAITS = (0.35, 0.5, 0.65, 0.8, 1.0)
@@ -68,9 +68,8 @@ def plan_swing(
     needed = required_height(elevation_map, foot, goal, foot_radius)
     apex = max(float(needed.max()), foot[2] + LIFT, goal[2] + LIFT)
     distance = float(np.linalg.norm(goal[:2] - foot[:2]))
-    rise = max((apex - foot[2]) / RISE_SPEED, SHORTEST_PHASE)
-    sink = max((apex - goal[2]) / SINK_SPEED, SHORTEST_PHASE)
-    travel = max(distance / ALONG_SPEED, SHORTEST_PHASE)
+    rise, sink = _duration(apex - foot[2], RISE), _duration(apex - goal[2], SINK)
+    travel = _duration(distance, ALONG)
     swing = None
     for wait in WAITS:
         along_start = start + wait * rise
@@ -87,6 +86,11 @@ def plan_swing(
             break
     assert swing is not None
     return swing
+
+
+def _duration(distance: float, acceleration: float) -> float:
+    """Of a quintic from rest to rest, whose acceleration peaks at 5.77 times distance over duration squared, in [s]."""
+    return max(float(np.sqrt(5.77 * distance / acceleration)), SHORTEST_PHASE)
 
 
 def required_height(elevation_map: ElevationMap, foot: Array, goal: Array, foot_radius: float) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from enum import Enum
+from math import cos, sin
 
 import numpy as np
 import pinocchio as pin
@@ -20,6 +21,7 @@ from footsel.walking.gait.planner import NoStep, Step, StepPlanner
 from footsel.walking.gait.swing import Swing, plan_swing
 from footsel.walking.observer import Choice
 from footsel.walking.state import RobotState
+from footsel.walking.vectors import length
 
 Array = NDArray[np.float64]
 
@@ -35,11 +37,13 @@ SHORTEST_SHIFT, SHIFT_SPEED = 0.24, 0.25
 #: A foot takes up its load, and gives it up, in this time. [s]
 LOAD_SECONDS, UNLOAD_SECONDS = 0.12, 0.10
 #: The most that a standing foot is asked to carry, and the least. [N]
-LARGEST_FORCE, LEAST_FORCE = 450.0, 8.0
-#: A foot stands once the ground pushes it so hard. [N]
-TOUCHDOWN_FORCE = 12.0
+LARGEST_FORCE, LEAST_FORCE = 450.0, 15.0
+#: Of the largest force, when a foot has just landed and before it lifts.
+LEAST_SHARE = 0.02
+#: A foot has landed once the ground pushes it so hard; a leg that is let down weighs no more than a few newtons. [N]
+TOUCHDOWN_FORCE = 2.0
 #: How fast a foot comes down, and sinks on if the ground is late. [m/s]
-TOUCHDOWN_SPEED = 0.12
+TOUCHDOWN_SPEED = 0.15
 #: No ground is felt until a foot is so far below its foothold: it goes back to where it came from. [m]
 MISSING_DEPTH = 0.10
 
@@ -86,7 +90,7 @@ class Walker:
         self._swing: Swing | None = None
         self._origin = self.motion.feet[0]
         # Since when each foot stands.
-        self._standing_since = np.full(4, -np.inf)
+        self._standing_since = [-np.inf] * 4
 
     @property
     def swing_leg(self) -> str | None:
@@ -102,6 +106,10 @@ class Walker:
     def done(self) -> bool:
         """Whether it stands and will not move again."""
         return self.phase is Phase.STOPPED and self._now >= self._until
+
+    def tracking_error(self, state: RobotState) -> float:
+        """Distance of the base from where it is told to be, in [m]."""
+        return length((state.base[:3, 3] - self.target[:3]).tolist())
 
     def torques(self, state: RobotState) -> Array:
         """(12,) joint torques at a state, in [Nm]."""
@@ -163,7 +171,7 @@ class Walker:
         """Touchdown, early or late, or no ground at all."""
         assert self.step is not None and self._swing is not None
         index, time = LEGS.index(self.step.leg), state.time
-        force = float(np.linalg.norm(state.foot_forces[index]))
+        force = length(state.foot_forces[index])
         sinking = time >= self._swing.down.start and time >= self._swing.along.end - 0.05
         if sinking and force > TOUCHDOWN_FORCE:
             self.steps += 1
@@ -192,11 +200,12 @@ class Walker:
 
     def _base_acceleration(self, state: RobotState, position: Array, velocity: Array, acceleration: Array) -> Array:
         """(6,) in W: the command's, and what brings the base back to it."""
-        wanted = BasePose.of(position).rotation()
+        wanted = pin.rpy.rpyToMatrix(position[3:])
         turn = _rates_to_angular(position)
-        error = np.concatenate([position[:3] - state.base[:3, 3], pin.log3(wanted @ state.base[:3, :3].T)])
-        speed = np.concatenate([velocity[:3] - state.linear, turn @ velocity[3:] - state.angular])
-        ahead = np.concatenate([acceleration[:3], turn @ acceleration[3:]])
+        error, speed, ahead = np.empty(6), np.empty(6), np.empty(6)
+        error[:3], error[3:] = position[:3] - state.base[:3, 3], pin.log3(wanted @ state.base[:3, :3].T)
+        speed[:3], speed[3:] = velocity[:3] - state.linear, turn @ velocity[3:] - state.angular
+        ahead[:3], ahead[3:] = acceleration[:3], turn @ acceleration[3:]
         return ahead + BASE_STIFFNESS * error + BASE_DAMPING * speed
 
     def _feet_acceleration(self, time: float) -> Array:
@@ -212,13 +221,17 @@ class Walker:
 
     def _limits(self, time: float) -> Array:
         """(4, 2) least and largest normal force: feet that land or are about to lift carry less."""
-        share = np.clip((time - self._standing_since) / LOAD_SECONDS, 0.02, 1.0)
-        if self.step and self.phase in (Phase.SHIFT, Phase.SWING):
-            index = LEGS.index(self.step.leg)
-            left = 0.0 if self.phase is Phase.SWING else (self._until - time) / UNLOAD_SECONDS
-            share[index] = min(share[index], max(left, 0.0 if self.phase is Phase.SWING else 0.02))
-        largest = LARGEST_FORCE * share
-        return np.column_stack([np.minimum(LEAST_FORCE, largest / 2), largest])
+        limits = np.empty((4, 2))
+        for k in range(4):
+            share = min(max((time - self._standing_since[k]) / LOAD_SECONDS, LEAST_SHARE), 1.0)
+            if self.step and LEGS[k] == self.step.leg:
+                if self.phase is Phase.SWING:
+                    share = 0.0
+                elif self.phase is Phase.SHIFT:
+                    share = min(share, max((self._until - time) / UNLOAD_SECONDS, LEAST_SHARE))
+            largest = LARGEST_FORCE * share
+            limits[k] = min(LEAST_FORCE, largest / 2), largest
+        return limits
 
 
 def ground_normal(elevation_map: ElevationMap, foot: Array, foot_radius: float) -> Array:
@@ -246,5 +259,6 @@ def _pose_of(state: RobotState) -> BasePose:
 
 def _rates_to_angular(pose: Array) -> Array:
     """(3, 3) from the rates of roll, pitch and yaw to the angular velocity in W."""
-    cp, sp, cy, sy = np.cos(pose[4]), np.sin(pose[4]), np.cos(pose[5]), np.sin(pose[5])
+    _, pitch, yaw = pose[3:].tolist()
+    cp, sp, cy, sy = cos(pitch), sin(pitch), cos(yaw), sin(yaw)
     return np.array([[cy * cp, -sy, 0.0], [sy * cp, cy, 0.0], [-sp, 0.0, 1.0]])

@@ -16,6 +16,7 @@ from footsel.walking.ground import make_ground
 from footsel.walking.simulation.contacts import Contacts, sort_contacts
 from footsel.walking.simulation.physics_urdf import BASE, physics_urdf
 from footsel.walking.state import RobotState
+from footsel.walking.vectors import cross, rotated, rotation
 
 Array = NDArray[np.float64]
 
@@ -40,6 +41,8 @@ class Simulation:
         base: (4, 4) placement in W. joints: (12,) by LEGS and HAA HFE KFE, in [rad].
         """
         self.client = BulletWorld()
+        # Calls made in every step go past the client's own look-up of functions by name.
+        self._id = self.client.id
         self.client.setPhysicsEngineParameter(
             fixedTimeStep=TIME_STEP,
             numSolverIterations=SOLVER_ITERATIONS,
@@ -51,7 +54,7 @@ class Simulation:
         self.ground = make_ground(self.client, ground.elevation, ground.resolution, ground.position)
         self.robot = self._load(robot)
         self.time = 0.0
-        self.contacts = Contacts()
+        self.contacts = Contacts(np.zeros((4, 3)))
         self._foot_radius = robot.description.foot_radius
         infos = [self.client.getJointInfo(self.robot, i) for i in range(self.client.getNumJoints(self.robot))]
         index = {info[1].decode(): info[0] for info in infos}
@@ -83,51 +86,53 @@ class Simulation:
 
     def step(self, torques: Array) -> None:
         """Advance by TIME_STEP under joint torques (12,), in [Nm]."""
-        self.client.setJointMotorControlArray(
-            self.robot, self._joints, pybullet.TORQUE_CONTROL, forces=torques.tolist()
+        pybullet.setJointMotorControlArray(
+            self.robot, self._joints, pybullet.TORQUE_CONTROL, forces=torques.tolist(), physicsClientId=self._id
         )
-        self.client.stepSimulation()
+        pybullet.stepSimulation(physicsClientId=self._id)
         self.time += TIME_STEP
-        points = self.client.getContactPoints(self.robot, self.ground)
+        points = pybullet.getContactPoints(self.robot, self.ground, physicsClientId=self._id)
         self.contacts = sort_contacts(points, self._shanks, self._link_names, self.feet, self._foot_radius)
 
     def state(self) -> RobotState:
         """The true state."""
-        position, quaternion = self.client.getBasePositionAndOrientation(self.robot)
-        linear, angular = (np.array(part) for part in self.client.getBaseVelocity(self.robot))
+        position, quaternion = pybullet.getBasePositionAndOrientation(self.robot, physicsClientId=self._id)
+        linear, angular = pybullet.getBaseVelocity(self.robot, physicsClientId=self._id)
         inertial = np.eye(4)
-        inertial[:3, :3] = pin.Quaternion(np.array(quaternion)).matrix()
+        inertial[:3, :3] = rotation(quaternion)
         inertial[:3, 3] = position
         base = inertial @ self._inertial_inverse
-        states = self.client.getJointStates(self.robot, self._joints)
+        states = pybullet.getJointStates(self.robot, self._joints, physicsClientId=self._id)
         return RobotState(
             time=self.time,
             base=base,
-            linear=linear + np.cross(angular, base[:3, 3] - inertial[:3, 3]),
-            angular=angular,
+            linear=linear + cross(angular, (base[:3, 3] - inertial[:3, 3]).tolist()),
+            angular=np.array(angular),
             joints=np.array([state[0] for state in states]),
             joint_velocities=np.array([state[1] for state in states]),
             foot_forces=self.contacts.foot_forces,
         )
 
-    def feet(self) -> Array:
-        """(4, 3) true foot centres by LEGS, in W, in [m]."""
-        states = self.client.getLinkStates(self.robot, self._shanks)
-        return np.array(
-            [
-                np.asarray(state[4]) + pin.Quaternion(np.array(state[5])).matrix() @ foot
-                for state, foot in zip(states, self._feet_in_shank, strict=True)
-            ]
-        )
+    def feet(self) -> list[tuple[float, float, float]]:
+        """Four true foot centres (3,) by LEGS, in W, in [m]."""
+        states = pybullet.getLinkStates(self.robot, self._shanks, physicsClientId=self._id)
+        centres = []
+        for state, foot in zip(states, self._feet_in_shank, strict=True):
+            dx, dy, dz = rotated(state[5], foot)
+            x, y, z = state[4]
+            centres.append((x + dx, y + dy, z + dz))
+        return centres
 
     def foot_contact_velocities(self) -> Array:
         """(4, 3) velocity of the feet's material where they touch the ground, by LEGS, in W, in [m/s]."""
-        states = self.client.getLinkStates(self.robot, self._shanks, computeLinkVelocity=1)
-        centres = self.feet()
+        states = pybullet.getLinkStates(self.robot, self._shanks, computeLinkVelocity=1, physicsClientId=self._id)
         velocities = np.zeros((4, 3))
-        for k, state in enumerate(states):
-            contact = centres[k] - self._foot_radius * self.contacts.foot_normals[k]
-            velocities[k] = np.asarray(state[6]) + np.cross(state[7], contact - np.asarray(state[0]))
+        for k, (state, centre) in enumerate(zip(states, self.feet(), strict=True)):
+            lever = [
+                centre[axis] - self._foot_radius * self.contacts.foot_normals[k][axis] - state[0][axis]
+                for axis in range(3)
+            ]
+            velocities[k] = state[6] + cross(state[7], lever)
         return velocities
 
     def close(self) -> None:
@@ -172,6 +177,6 @@ class Simulation:
         self.client.changeDynamics(self.ground, -1, lateralFriction=1.0, restitution=0.0)
         position, quaternion = self.client.getDynamicsInfo(self.robot, -1)[3:5]
         self._inertial = np.eye(4)
-        self._inertial[:3, :3] = pin.Quaternion(np.array(quaternion)).matrix()
+        self._inertial[:3, :3] = rotation(quaternion)
         self._inertial[:3, 3] = position
         self._inertial_inverse = np.linalg.inv(self._inertial)
