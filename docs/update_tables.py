@@ -214,7 +214,7 @@ def comparison(file: str) -> str:
 def mapping() -> str:
     """The camera map on walking courses."""
     result = read(RESULTS / "mapping.json")
-    head = [f"{result['seeds']} courses of each, mean", "cells known", "of these beside no edge", "median error [mm]"]
+    head = [f"{result['seeds']} courses of each, mean", "cells known", "the same beside no edge", "median error [mm]"]
     head += ["95 % [mm]", "too high", "too low", "normalised error", "pose off by [mm]"]
     rows = [
         [
