@@ -28,6 +28,7 @@ COMMANDS = {
     "held_out.json": "python docs/judge.py held_out",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
+    "mapping.json": "python docs/measure_mapping.py",
     "paper.json": "python docs/judge.py paper",
     "verify.json": "make verify",
     "verify_meshes.json": "make verify-meshes",
@@ -284,6 +285,41 @@ def _difference(entry: dict[str, Any] | None) -> str:
     sure = "**" if entry["sign_test_p"] < 0.05 else ""
     low, high = entry["ci95"]
     return f"{sure}{entry['mean']:+.2f}{sure} ({low:+.2f} to {high:+.2f})".replace("-", "−")
+
+
+def mapping() -> str:
+    """The camera map on walking courses."""
+    result = read(RESULTS / "mapping.json")
+    head = [f"{result['seeds']} courses of each, mean", "cells known", "the same beside no edge", "median error [mm]"]
+    head += ["95 % [mm]", "too high", "too low", "normalised error", "pose off by [mm]"]
+    rows = [
+        [
+            name,
+            percent(course["known"]),
+            percent(course["known_even"]),
+            number(course["median_mm"]),
+            number(course["p95_mm"]),
+            percent(course["too_high"]),
+            percent(course["too_low"]),
+            number(course["normalised"], 2),
+            number(course["drift_mm"]),
+        ]
+        for name, course in result["courses"].items()
+    ]
+    return table(head, rows)
+
+
+def mapping_times() -> str:
+    """What an image costs."""
+    result = read(RESULTS / "mapping.json")
+    steps = {
+        "render": "TinyRenderer's true depth",
+        "read": "`D435.read`",
+        "bodies": "the robot's capsules",
+        "integrate": "`ElevationMapping.integrate`",
+    }
+    rows = [[name, number(result["time_ms"][step])] for step, name in steps.items()]
+    return table([f"one image of 424x240, median on one core of {result['cpu']}", "ms"], rows)
 
 
 def speed() -> str:
@@ -574,6 +610,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "camera": lambda: walks("walks_camera.json"),
         "maps": lambda: walks("walks_maps.json"),
     },
+    "docs/mapping.md": {"mapping": mapping, "times": mapping_times},
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
 

@@ -13,11 +13,15 @@ from footsel.mapping.grid import Grid
 
 @dataclass(frozen=True, eq=False)
 class CellReadings:
-    """cells: (m,) flat indices, rising. height: (m,) in [m]. variance: (m,) of the camera's noise, in [m^2]."""
+    """cells: (m,) flat indices, rising. height: (m,) in [m]. variance: (m,) of its errors, in [m^2].
+
+    lasting: (m,) the part of the variance that images soon after one another share, in [m^2].
+    """
 
     cells: NDArray[np.intp]
     height: NDArray[np.float64]
     variance: NDArray[np.float64]
+    lasting: NDArray[np.float64]
 
 
 class _Averages(NamedTuple):
@@ -55,7 +59,7 @@ def read_cells(
     grid: Grid,
     config: MappingConfig,
 ) -> CellReadings:
-    """The uppermost surface in each cell that an image shows.
+    """The uppermost surface in each cell that an image shows, with the camera's noise as its variance.
 
     depth: (height, width), 0 is no reading, in [m]. world_camera: (4, 4) placement of the camera's frame in W.
 
@@ -91,7 +95,7 @@ def read_cells(
     number, mean, weight, excess = (values[touched] for values in readings)
     independent = np.maximum(number / camera.shared_px**2, 1)
     variance = number / weight / independent * np.maximum(excess, 1)
-    return CellReadings(touched, mean + world_camera[2, 3], variance)
+    return CellReadings(touched, mean + world_camera[2, 3], variance, np.zeros(len(touched)))
 
 
 def _uppermost(

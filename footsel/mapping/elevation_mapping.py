@@ -1,6 +1,7 @@
 """The map itself: it follows the robot, grows uncertain with its motion and learns from depth images."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +115,7 @@ class ElevationMapping:
         readings = read_cells(image, camera, placement, self._grid, self.config)
         if self._base is not None:
             noise = attitude_variance(self._grid.centres(readings.cells), self._base, self._covariance)
-            readings = CellReadings(readings.cells, readings.height, readings.variance + noise)
+            readings = replace(readings, variance=readings.variance + noise, lasting=noise)
         self._forget_what_is_seen_through(image, camera, placement, readings)
         self._fuse(readings)
         self._hold_variances()
@@ -131,15 +132,18 @@ class ElevationMapping:
             raise InputError(
                 f"points of shape {places.shape}", "expected three or more finite points (k, 3), in metres"
             )
+        if not (np.isfinite(margin) and 0 < variance < np.inf):
+            raise InputError(
+                f"margin {margin} m and variance {variance} m^2", "expected finite numbers, a variance above 0"
+            )
         low, high = places[:, :2].min(axis=0) - margin, places[:, :2].max(axis=0) + margin
         centres = self._grid.centres(np.arange(self.config.cells**2))
         patch = ((centres >= low) & (centres <= high)).all(axis=1) & np.isnan(self._height.reshape(-1))
         middle = places.mean(axis=0)
         slope, *_ = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=None)
         cells = np.flatnonzero(patch)
-        self._fuse(
-            CellReadings(cells, middle[2] + (centres[cells] - middle[:2]) @ slope, np.full(len(cells), variance))
-        )
+        heights = middle[2] + (centres[cells] - middle[:2]) @ slope
+        self._fuse(CellReadings(cells, heights, np.full(len(cells), variance), np.zeros(len(cells))))
         self._hold_variances()
 
     def _forget_what_is_seen_through(
@@ -163,7 +167,11 @@ class ElevationMapping:
         return np.asarray(squares <= self.config.gate**2 * (variance + readings.variance))
 
     def _fuse(self, readings: CellReadings) -> None:
-        """One step of a Kalman filter in each cell that knows something; new cells take the reading as it is."""
+        """One step of a Kalman filter in each cell that knows something; new cells take the reading as it is.
+
+        The attitude errs for longer than from image to image, so many images do not average its errors away: no cell
+        becomes surer by a reading than those leave it.
+        """
         height, variance = self._height.reshape(-1), self._variance.reshape(-1)
         cells = readings.cells
         new, agree = np.isnan(height[cells]), self._agree(readings)
@@ -172,7 +180,8 @@ class ElevationMapping:
         both = cells[agree]
         prior, other = variance[both], readings.variance[agree]
         height[both] = (prior * readings.height[agree] + other * height[both]) / (prior + other)
-        variance[both] = prior * other / (prior + other)
+        fused = prior * other / (prior + other)
+        variance[both] = np.minimum(prior, np.maximum(fused, readings.lasting[agree]))
 
         variance[cells[~new & ~agree]] += self.config.multi_height_variance
         self._place_variance.reshape(-1, 2)[cells[new | agree]] = self.config.horizontal_variance[0]

@@ -299,6 +299,8 @@ def test_feet_in_a_line_still_lay_ground():
         lambda m: m.integrate(np.ones((4, 4)), CAMERA, np.eye(4)),
         lambda m: m.integrate(np.ones((120, 212)), CAMERA, np.zeros((4, 4))),
         lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0]], 0.1, 1e-4),
+        lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, 1, 0]], 0.1, -1e-4),
+        lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.nan, 1e-4),
         lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], 0.1, 1e-4),
     ],
 )

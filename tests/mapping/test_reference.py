@@ -60,18 +60,19 @@ class Reference:
         for cell, of_cell in readings.items():
             height, variance = self.summary(of_cell, camera)
             x, y = self.centre(cell) - self.base[:2, 3]
-            found[cell] = height, variance + [y, -x] @ self.covariance[3:5, 3:5] @ [y, -x]
-        agree = {cell for cell in found.keys() & self.cells.keys() if self.agrees(cell, *found[cell])}
+            lasting = [y, -x] @ self.covariance[3:5, 3:5] @ [y, -x]
+            found[cell] = height, variance + lasting, lasting
+        agree = {cell for cell in found.keys() & self.cells.keys() if self.agrees(cell, *found[cell][:2])}
         for cell in self.cells.keys() - agree:
             if self.seen_through(cell, clean, camera, placement):
                 del self.cells[cell]
-        for cell, (height, variance) in found.items():
+        for cell, (height, variance, lasting) in found.items():
             if cell not in self.cells:
                 self.cells[cell] = [height, variance, 0, 0]
             elif cell in agree:
                 before, old, *_ = self.cells[cell]
-                fused = (old * height + variance * before) / (old + variance), old * variance / (old + variance)
-                self.cells[cell] = [*fused, 0, 0]
+                surer = min(old, max(old * variance / (old + variance), lasting))
+                self.cells[cell] = [(old * height + variance * before) / (old + variance), surer, 0, 0]
             else:
                 self.cells[cell][1] += c.multi_height_variance
         self.hold()

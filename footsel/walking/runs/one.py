@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from footsel.robot import load_robot
 from footsel.selectors import Selector
 from footsel.walking.course import WalkCourse
 from footsel.walking.maps import make_senses
@@ -17,7 +16,7 @@ def run_job(
 ) -> WalkResult:
     """Walk. course: that of the job, if the caller has it already."""
     course = course or job.course()
-    senses = make_senses(job.map, course, load_robot(job.robot), job.seed)
+    senses = make_senses(job.map, course, job.robot, job.seed)
     return walk(
         course,
         selector,
