@@ -29,7 +29,7 @@ def test_noisy_is_another_map_for_another_seed_and_the_same_for_the_same(course)
     np.testing.assert_array_equal(maps[0].elevation, maps[1].elevation)
     assert not np.array_equal(maps[0].elevation, maps[2].elevation, equal_nan=True)
     error = maps[0].elevation - course.known.elevation
-    assert 0.002 < np.nanmedian(np.abs(error)) < 0.03
+    assert 0.0005 < np.nanmedian(np.abs(error)) < 0.03
     assert np.isnan(error).mean() > 0.01
 
 

@@ -30,6 +30,7 @@ def walk_figure(course: WalkCourse, trace: Trace) -> Figure:
         origin="lower",
         extent=(before, after, -HALF_WIDTH, HALF_WIDTH),
         interpolation="nearest",
+        aspect="auto",
     )
     for side in (TRACK, -TRACK):
         track = _in_line(course, np.stack([along, np.full(len(along), side)], axis=-1))

@@ -15,10 +15,11 @@ def opening(figures: Mapping[str, Any]) -> str:
     runs = figures["runs"]
     terrains, selectors = (list(dict.fromkeys(run[key] for run in runs)) for key in ("terrain", "selector"))
     seeds = sorted({run["seed"] for run in runs})
+    drawn = f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {seeds[0]} to {seeds[-1]}"
     seconds = sum(run["duration_s"] for run in runs)
     return (
         f"{counted(len(runs), 'walk')}: {counted(len(selectors), 'selector')} on {counted(len(terrains), 'terrain')}, "
-        f"each on {counted(len(seeds), 'course')} of its own (seeds {seeds[0]} to {seeds[-1]}), the same for every "
+        f"each on {counted(len(seeds), 'course')} of its own ({drawn}), the same for every "
         f"selector; {seconds / 60:.0f} minutes of walking. Only the choice of footholds differs."
     )
 
@@ -55,10 +56,15 @@ def where_the_network_helps(figures: Mapping[str, Any]) -> list[str]:
     return sentences
 
 
+def counts(part: Mapping[str, Any]) -> str:
+    """How many walks reached the goal."""
+    return f"{successes(part)} of {part['n']}"
+
+
 def rate(part: Mapping[str, Any]) -> str:
     """A success rate with its interval."""
     low, high = part["ci95"]
-    return f"{successes(part)} of {part['n']} (95 % interval {percent(low)} to {percent(high)})"
+    return f"{counts(part)} (95 % interval {percent(low)} to {percent(high)})"
 
 
 def successes(part: Mapping[str, Any]) -> int:
@@ -83,7 +89,8 @@ def _about_terrain(terrain: str, summary: Mapping[str, Any], rivals: Mapping[str
             "which may be chance: they are too few to tell."
         )
     if without:
-        sentences.append(f"On {terrain} the network does not help to reach the goal: {joined(without)} did as well.")
+        reached = joined([f"{name} {counts(summary[name])}" for name in (NETWORK, *without)])
+        sentences.append(f"On {terrain} the network does not help to reach the goal: {reached}.")
     for metric, unit, what in (
         ("hind_shank_contact_s", "s", "hind shanks touch the ground"),
         ("shank_impacts", "", "hard impacts of shanks"),

@@ -33,7 +33,7 @@ def test_rates_and_means(results):
 
 
 def test_failures_are_counted_by_their_kind(result):
-    reasons = ("fell (RH_KFE touched the ground)", "fell (base touched the ground)", "stopped: none for LF", "")
+    reasons = ("fell (RH_KFE touched the ground)", "fell within 3 s", "stopped: none for LF", "")
     runs = [result(seed=seed, success=not reason, reason=reason) for seed, reason in enumerate(reasons)]
     assert figures(runs)["summary"]["stairs"]["cnn"]["failures"] == {"fell": 2, "stopped": 1}
 
