@@ -11,6 +11,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -255,6 +256,43 @@ def walk_differences(file: str) -> str:
         for name, entry in others.items()
     ]
     return table(["terrain", "`cnn` minus", *metrics.values()], rows)
+
+
+def gains() -> str:
+    """What the controller of a walk is made with, from the code itself."""
+    rows = [[what, ", ".join(_value(place, name) for name in names), source] for what, place, names, source in GAINS]
+    return table(["", "value", "from"], rows)
+
+
+_OURS, _FREE_GAIT = "trial", "the idea free_gait's, the size trial"
+#: What it is, module below footsel.walking, constants, where they come from.
+GAINS = (
+    ("control and physics, one step [s]", "simulation.simulation", ["TIME_STEP"], _OURS),
+    ("base: stiffness, linear and angular [1/s²]", "gait.walker", ["BASE_STIFFNESS"], _OURS),
+    ("base: damping [1/s]", "gait.walker", ["BASE_DAMPING"], _OURS),
+    ("swinging foot: stiffness, damping", "gait.walker", ["SWING_STIFFNESS", "SWING_DAMPING"], _OURS),
+    ("standing foot: damping [1/s]", "gait.walker", ["STANCE_DAMPING"], _OURS),
+    ("most torque [Nm]", "control.whole_body", ["TORQUE_LIMIT"], "effort limits of ANYmal B's URDF"),
+    ("friction: true", "simulation.simulation", ["FRICTION"], "rubber on stone"),
+    (
+        "friction: the controller's, along a side of the pyramid",
+        "control.whole_body",
+        ["FRICTION"],
+        "below the true one",
+    ),
+    ("centre of mass inside the support [m]", "control.base_pose", ["STABILITY_MARGIN"], _FREE_GAIT),
+    ("longest leg, hip point to foot [m]", "control.base_pose", ["LONGEST_LEG"], "0.564 m is the stretched leg"),
+    ("stride [m]", "gait.planner", ["STRIDE"], _OURS),
+    ("height of the base over its feet [m]", "gait.planner", ["HEIGHT"], _OURS),
+    ("share of the ground's tilt that the base takes", "gait.planner", ["TILT_SHARE"], _OURS),
+    ("swing: clearance over the map [m]", "gait.swing", ["CLEARANCE"], _OURS),
+    ("touchdown: felt from [N], speed [m/s]", "gait.walker", ["TOUCHDOWN_FORCE", "TOUCHDOWN_SPEED"], _OURS),
+)
+
+
+def _value(module: str, name: str) -> str:
+    value = getattr(import_module(f"footsel.walking.{module}"), name)
+    return " ".join(f"{part:g}" for part in value) if hasattr(value, "__len__") else f"{value:g}"
 
 
 #: Of a walk -> heading, digits.
@@ -604,6 +642,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "stages": speed_by_stage,
     },
     "docs/walking.md": {
+        "gains": gains,
         "walks": lambda: walks("walks.json"),
         "differences": lambda: walk_differences("walks.json"),
         "means": lambda: walk_means("walks.json"),

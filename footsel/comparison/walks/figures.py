@@ -70,8 +70,8 @@ def grouped(results: Sequence[WalkResult]) -> dict[str, dict[str, list[WalkResul
 
 
 def kind_of(reason: str) -> str:
-    """A reason without its details: those in parentheses, after a colon, and how much time there was."""
-    return re.split(r" \(|: | within ", reason, maxsplit=1)[0]
+    """A reason without its details: those in parentheses, after a colon or semicolon, and how much time there was."""
+    return re.split(r" \(|: |; | within ", reason, maxsplit=1)[0]
 
 
 def _summary(runs: Sequence[WalkResult], reference: Sequence[WalkResult] | None) -> dict[str, Any]:
