@@ -19,9 +19,9 @@ LINES, ASKEW = 150, float(np.deg2rad(6))
 TRACKS = np.array([[0.15, 0.20, 0.25, 0.30, 0.35], [-0.15, -0.20, -0.25, -0.30, -0.35]])
 #: Along the line: distance of two looks at a track, and how much of it one look takes in. [m]
 STEP, LOOK = 0.04, 0.4
-#: A look at a track that knows less than this share of its cells wants ground; changes of height within a look
-#: beyond this are too much for a leg. [-], [m]
-ENOUGH, TOO_STEEP = 0.6, 0.28
+#: A look at a track that knows less than this share of its cells wants ground. More height than this along one look,
+#: or between the left and the right track of it, is too much for legs. [-], [m]
+ENOUGH, ALONG, ACROSS = 0.6, 0.35, 0.18
 #: No crossing is shorter, nor shorter than this share of the longest one. [m], [-]
 SHORTEST, NEARLY = 0.5, 0.9
 #: Length of ground that a crossing may want beyond the best one. [m]
@@ -116,7 +116,7 @@ def _look_along(elevation_map: ElevationMap, yaw: float, beside: float) -> Line 
     if len(crossed) == 0 or (crossed[-1] - crossed[0]) * STEP < SHORTEST:
         return None
     inside = slice(crossed[0], crossed[-1] + 1)
-    want = STEP * (np.maximum(1 - share[inside] / ENOUGH, 0) + _too_steep(heights)[inside]).sum()
+    want = STEP * (np.maximum(1 - share[inside] / ENOUGH, 0) + _too_steep(heights, known)[inside]).sum()
     # A look may begin before the ground does, and end behind it.
     ground = np.flatnonzero(known.mean(axis=2).min(axis=1) >= ENOUGH)
     first = ground[np.searchsorted(ground, crossed[0])]
@@ -124,11 +124,14 @@ def _look_along(elevation_map: ElevationMap, yaw: float, beside: float) -> Line 
     return Line(origin, yaw, float(along[first]), float(along[last]), float(want))
 
 
-def _too_steep(heights: Array) -> NDArray[np.bool_]:
-    """(looks,) whether the ground in the middle of a track changes its height too much within a look."""
+def _too_steep(heights: Array, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(looks,) whether the ground climbs too much in a look, or one side of it lies too far above the other."""
     windows = _windows(heights[:, :, TRACKS.shape[1] // 2])
-    change = np.fmax.reduce(windows, axis=-1) - np.fmin.reduce(windows, axis=-1)
-    return np.asarray((change > TOO_STEEP).any(axis=1))
+    climb = np.fmax.reduce(windows, axis=-1) - np.fmin.reduce(windows, axis=-1)
+    total = _windows(np.where(known, heights, 0)).sum(axis=(2, 3))
+    with np.errstate(invalid="ignore"):
+        left, right = (total / _windows(known).sum(axis=(2, 3))).T
+    return np.asarray((climb > ALONG).any(axis=1) | (np.abs(left - right) > ACROSS))
 
 
 def _windows(values: NDArray[np.generic]) -> NDArray[np.generic]:

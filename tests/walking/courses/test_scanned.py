@@ -101,6 +101,19 @@ def test_a_longer_detour_is_not_taken_over_a_wall():
             assert course.start[1] > 0.2
 
 
+def test_both_sides_are_of_about_one_height():
+    """On a terrace 1 m wide beside a drop of 0.3 m, the line stays away from the edge, gaps on the terrace or not."""
+    elevation = np.zeros((200, 100), dtype=np.float32)
+    elevation[:, :50] = 0.3
+    elevation[20::25, :] = np.nan
+    for seed in range(5):
+        course = across(ElevationMap(elevation, 0.02), seed)
+        ahead = direction(course)
+        assert abs(ahead[0]) > 0.9
+        for along in np.linspace(0.7, 4.4, 20):
+            assert abs((np.array(course.start[:2]) + along * ahead)[1]) > 0.14
+
+
 @pytest.mark.parametrize("name", WALKED)
 def test_scanned_maps_are_crossed_from_side_to_side(name):
     path = SHARED / name
