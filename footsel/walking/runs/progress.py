@@ -19,7 +19,7 @@ class Progress(WalkObserver):
         self._length = float(np.linalg.norm(way))
         self._ahead = way / self._length
         self._bar = tqdm(
-            total=round(self._length, 2),
+            total=self._length,
             desc=course.name,
             unit="m",
             bar_format="{desc}: {percentage:3.0f}%|{bar}| {n:.2f}/{total:.2f} m [{elapsed}{postfix}]",
