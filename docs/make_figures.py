@@ -1,6 +1,7 @@
 """Make the figures of our pages, and the words of the oracle that go with one of them.
 
 docs/figures/result.png: footholds by the released network, and its costs beside the oracle's under one leg.
+docs/figures/walk.png: the picture of `footsel walk`.
 docs/figures/label.png and docs/results/label.txt: what `footsel label` draws and says of a leg's local map.
 """
 
@@ -9,6 +10,7 @@ import io
 import os
 import shlex
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -29,31 +31,62 @@ X, Y, YAW = 0.3, -0.2, 0.5
 #: Makes the map of the second figure, and the command that explains a cell of it.
 COURSE = "from footsel.terrain.courses import make_course; make_course('blocks', 3).save('blocks.npz')"
 LABEL = "footsel label blocks.npz --leg LF --pose 0.3 -0.2 auto 0.05 -0.1 0.5 --cell 22 24 --plot label.png"
-#: Colours of its picture, which are few.
+#: The walk that is drawn half way, and how wide its picture is here.
+WALK = "footsel walk --terrain stones --selector cnn --seed 0 --picture walk.png"
+WALK_WIDTH = 960
+#: Colours of these pictures, which are few.
 COLOURS = 256
 
 
 def main() -> None:
-    """Draw both figures."""
+    """Draw all figures."""
     draw_result(DOCS / "figures" / "result.png")
+    draw_walk(DOCS / "figures" / "walk.png")
     draw_label(DOCS / "figures" / "label.png", DOCS / "results" / "label.txt")
 
 
 def draw_label(figure: Path, words: Path) -> None:
     """Run the commands as a user does."""
-    said = io.StringIO()
+    with elsewhere():
+        exec(COURSE, {})
+        said = run(LABEL)
+        picture = Image.open("label.png").convert("RGB")
+    save(picture, figure)
+    words.write_text(f'$ python -c "{COURSE}"\n$ {LABEL}\n{said}', encoding="utf-8")
+
+
+def draw_walk(figure: Path) -> None:
+    """Run the command as a user does."""
+    with elsewhere():
+        run(WALK)
+        picture = Image.open("walk.png").convert("RGB")
+    height = round(picture.height * WALK_WIDTH / picture.width)
+    save(picture.resize((WALK_WIDTH, height), Image.Resampling.LANCZOS), figure)
+
+
+@contextlib.contextmanager
+def elsewhere() -> Iterator[None]:
+    """In an empty folder."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         try:
-            exec(COURSE, {})
-            with contextlib.redirect_stdout(said):
-                footsel(shlex.split(LABEL)[1:])
-            picture = Image.open("label.png").convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+            yield
         finally:
             os.chdir(before)
-    picture.save(figure, optimize=True)
-    words.write_text(f'$ python -c "{COURSE}"\n$ {LABEL}\n{said.getvalue()}', encoding="utf-8")
+
+
+def run(command: str) -> str:
+    """What a command of ours prints."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        footsel(shlex.split(command)[1:])
+    return said.getvalue()
+
+
+def save(picture: Image.Image, path: Path) -> None:
+    """With few colours, which keeps the repository small."""
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def draw_result(path: Path) -> None:

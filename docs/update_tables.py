@@ -1,8 +1,9 @@
 """Fill the tables of our pages from the files that commands wrote; `--check` only says whether they are up to date.
 
-COMMANDS says what writes the files of docs/results; courses.json and maps.json are `compare.json` of the commands that
-README names. export/anymal_b/metrics.json is written by `footsel export`, footsel/oracle/terrain_cost.json by `footsel
-terrain-cost fit`. Where a file is missing, the page says what would make it.
+COMMANDS says what writes the files of docs/results; courses.json and maps.json are `compare.json`, walks.json and its
+like are `walks.json` of the commands that README and docs/walking.md name. export/anymal_b/metrics.json is written by
+`footsel export`, footsel/oracle/terrain_cost.json by `footsel terrain-cost fit`. Where a file is missing, the page says
+what would make it.
 """
 
 import errno
@@ -11,6 +12,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +31,14 @@ COMMANDS = {
     "int8.json": "python docs/judge_int8.py",
     "label.txt": "python docs/make_figures.py",
     "maps.json": "footsel compare",
+    "mapping.json": "python docs/measure_mapping.py",
     "paper.json": "python docs/judge.py paper",
     "verify.json": "make verify",
     "verify_meshes.json": "make verify-meshes",
     "verify_pybullet.json": "make verify-pybullet",
+    "walks.json": "footsel compare --walk",
+    "walks_camera.json": "footsel compare --walk --map camera",
+    "walks_maps.json": "footsel compare --walk MAPS",
 }
 
 
@@ -240,6 +246,150 @@ def eight_bits() -> str:
         f"{100 * limits['infeasible_rate']:g}.\n"
     )
     return table(["", "picks", "infeasible picks", "missed", "mean regret", "95 % regret"], rows) + sentence
+
+
+def walks(file: str) -> str:
+    """Success rates of a comparison of walks, with their intervals."""
+    summary = read(RESULTS / file)["summary"]
+    selectors = list(dict.fromkeys(name for parts in summary.values() for name in parts))
+    rows = []
+    for terrain, parts in summary.items():
+        rates = [_rate(parts[name]) if name in parts else "-" for name in selectors]
+        rows.append([_terrain(terrain), str(next(iter(parts.values()))["n"]), *rates])
+    return table(["terrain", "walks each", *(f"`{name}`" for name in selectors)], rows)
+
+
+def walk_means(file: str) -> str:
+    """What walks came to, over those that reached the goal."""
+    rows = [
+        [
+            _terrain(terrain),
+            f"`{name}`",
+            str(round(part["n"] * part["success_rate"])),
+            *(number(part["means_of_successes"][metric], digits) for metric, (_, digits) in WALK_METRICS.items()),
+        ]
+        for terrain, parts in read(RESULTS / file)["summary"].items()
+        for name, part in parts.items()
+        if part["means_of_successes"] is not None
+    ]
+    return table(["terrain", "selector", "arrived", *(heading for heading, _ in WALK_METRICS.values())], rows)
+
+
+def walk_differences(file: str) -> str:
+    """The network minus each other selector, seed by seed."""
+    metrics = {
+        "success": "success",
+        "shank_impacts": "hard shank impacts",
+        "hind_shank_contact_s": "hind shanks touch [s]",
+    }
+    rows = [
+        [_terrain(terrain), f"`{name}`", *(_difference(entry[metric]) for metric in metrics)]
+        for terrain, others in read(RESULTS / file)["network_minus"].items()
+        for name, entry in others.items()
+    ]
+    return table(["terrain", "`cnn` minus", *metrics.values()], rows)
+
+
+def gains() -> str:
+    """What the controller of a walk is made with, from the code itself."""
+    rows = [[what, ", ".join(_value(place, name) for name in names), source] for what, place, names, source in GAINS]
+    return table(["", "value", "from"], rows)
+
+
+_OURS, _FREE_GAIT = "trial", "the idea free_gait's, the size trial"
+#: What it is, module below footsel.walking, constants, where they come from.
+GAINS = (
+    ("control and physics, one step [s]", "simulation.simulation", ["TIME_STEP"], _OURS),
+    ("base: stiffness, linear and angular [1/s²]", "gait.walker", ["BASE_STIFFNESS"], _OURS),
+    ("base: damping [1/s]", "gait.walker", ["BASE_DAMPING"], _OURS),
+    ("swinging foot: stiffness, damping", "gait.walker", ["SWING_STIFFNESS", "SWING_DAMPING"], _OURS),
+    ("standing foot: damping [1/s]", "gait.walker", ["STANCE_DAMPING"], _OURS),
+    ("most torque [Nm]", "control.whole_body", ["TORQUE_LIMIT"], "effort limits of ANYmal B's URDF"),
+    ("friction: true", "simulation.simulation", ["FRICTION"], "rubber on stone"),
+    (
+        "friction: the controller's, along a side of the pyramid",
+        "control.whole_body",
+        ["FRICTION"],
+        "below the true one",
+    ),
+    ("centre of mass inside the support [m]", "control.base_pose", ["STABILITY_MARGIN"], _FREE_GAIT),
+    ("longest leg, hip point to foot [m]", "control.base_pose", ["LONGEST_LEG"], "0.564 m is the stretched leg"),
+    ("stride [m]", "gait.planner", ["STRIDE"], _OURS),
+    ("height of the base over its feet [m]", "gait.planner", ["HEIGHT"], _OURS),
+    ("share of the ground's tilt that the base takes", "gait.planner", ["TILT_SHARE"], _OURS),
+    ("swing: clearance over the map [m]", "gait.swing", ["CLEARANCE"], _OURS),
+    ("touchdown: felt from [N], speed [m/s]", "gait.walker", ["TOUCHDOWN_FORCE", "TOUCHDOWN_SPEED"], _OURS),
+)
+
+
+def _value(module: str, name: str) -> str:
+    value = getattr(import_module(f"footsel.walking.{module}"), name)
+    return " ".join(f"{part:g}" for part in value) if hasattr(value, "__len__") else f"{value:g}"
+
+
+#: Of a walk -> heading, digits.
+WALK_METRICS = {
+    "slip_max_mm": ("worst slip [mm]", 0),
+    "shank_impacts": ("hard shank impacts", 2),
+    "hind_shank_contact_s": ("hind shanks touch [s]", 2),
+    "tracking_error_mm": ("tracking error [mm]", 0),
+    "min_stability_margin_m": ("least margin [m]", 3),
+    "duration_s": ("time [s]", 0),
+    "realtime_factor": ("times real time", 1),
+}
+
+
+def _terrain(name: str) -> str:
+    """A terrain's name, or that of a map's file."""
+    return Path(name).stem
+
+
+def _rate(part: dict[str, Any]) -> str:
+    low, high = part["ci95"]
+    return f"{part['success_rate']:.0%} ({100 * low:.0f}–{100 * high:.0f})"
+
+
+def _difference(entry: dict[str, Any] | None) -> str:
+    if entry is None:
+        return "-"
+    sure = "**" if entry["sign_test_p"] < 0.05 else ""
+    low, high = entry["ci95"]
+    return f"{sure}{entry['mean']:+.2f}{sure} ({low:+.2f} to {high:+.2f})".replace("-", "−")
+
+
+def mapping() -> str:
+    """The camera map on walking courses."""
+    result = read(RESULTS / "mapping.json")
+    head = [f"{result['seeds']} courses of each, mean", "cells known", "the same beside no edge", "median error [mm]"]
+    head += ["95 % [mm]", "too high", "too low", "normalised error", "pose off by [mm]"]
+    rows = [
+        [
+            name,
+            percent(course["known"]),
+            percent(course["known_even"]),
+            number(course["median_mm"]),
+            number(course["p95_mm"]),
+            percent(course["too_high"]),
+            percent(course["too_low"]),
+            number(course["normalised"], 2),
+            number(course["drift_mm"]),
+        ]
+        for name, course in result["courses"].items()
+    ]
+    return table(head, rows)
+
+
+def mapping_times() -> str:
+    """What an image costs."""
+    result = read(RESULTS / "mapping.json")
+    steps = {
+        "render": "TinyRenderer's true depth",
+        "read": "`D435.read`",
+        "bodies": "the robot's capsules",
+        "integrate": "`ElevationMapping.integrate`",
+    }
+    rows = [[name, number(result["time_ms"][step])] for step, name in steps.items()]
+    return table([f"one image of 424x240, median on one core of {result['cpu']}", "ms"], rows)
 
 
 def speed() -> str:
@@ -566,6 +716,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "paper": paper,
         "courses": lambda: comparison("courses.json"),
         "maps": lambda: comparison("maps.json"),
+        "walks": lambda: walks("walks.json"),
         "speed": speed,
         "verify": verify,
         "pybullet": pybullet,
@@ -598,6 +749,15 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "throughput": throughput,
         "eight bits": eight_bits,
     },
+    "docs/walking.md": {
+        "gains": gains,
+        "walks": lambda: walks("walks.json"),
+        "differences": lambda: walk_differences("walks.json"),
+        "means": lambda: walk_means("walks.json"),
+        "camera": lambda: walks("walks_camera.json"),
+        "maps": lambda: walks("walks_maps.json"),
+    },
+    "docs/mapping.md": {"mapping": mapping, "times": mapping_times},
     "docs/terrain_cost.md": {"slip": slip, "laws": laws, "landmarks": landmarks},
 }
 

@@ -1,7 +1,9 @@
-"""A folder that grows over several runs is of one configuration; its `config.json` says of which."""
+"""A folder that grows over several runs is of one configuration, which its `config.json` says, and of one process."""
 
 import json
+import os
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -10,6 +12,18 @@ from footsel.errors import InputError
 from footsel.files import leftovers, write_json
 
 CONFIG = "config.json"
+
+
+@contextmanager
+def sole_process(folder: Path, content: str) -> Iterator[None]:
+    """Make the folder if it is not there and hold it; raises InputError if another process makes the same in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        _lock(handle, folder, content)
+        yield
+    finally:
+        os.close(handle)
 
 
 def claim_folder(folder: Path, content: str, config: Mapping[str, Any], notes: Mapping[str, Any] | None = None) -> None:
@@ -38,6 +52,20 @@ def claim_folder(folder: Path, content: str, config: Mapping[str, Any], notes: M
             f"{folder} holds a {content} of another configuration, with {', '.join(differences)}",
             "choose another folder or delete it",
         )
+
+
+def _lock(handle: int, folder: Path, content: str) -> None:
+    """Until the handle is closed or the process is gone, however it ends."""
+    import fcntl  # There is none on Windows.
+
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(
+            f"another process makes {content} in {folder}", "wait for it, or choose another folder"
+        ) from None
+    except OSError:
+        pass  # A file system without locks.
 
 
 def _differences(name: str, found: Any, wanted: Any) -> Iterator[str]:

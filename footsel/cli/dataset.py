@@ -11,8 +11,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from footsel.cli.numbers import whole_number
-from footsel.cli.options import add_jobs, add_pairs, add_robot, add_seed, needing, output_folder
-from footsel.errors import InputError
+from footsel.cli.options import (
+    add_engine,
+    add_jobs,
+    add_pairs,
+    add_robot,
+    add_seed,
+    check_engine,
+    needing,
+    output_folder,
+)
 from footsel.legs import PAIRS
 
 HELP = "labelled pairs of local map and cost"
@@ -44,18 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--maps-per-shard", type=whole_number(1), default=250, metavar="N", help="in one file (default: %(default)s)"
     )
-    parser.add_argument(
-        "--engine",
-        choices=("local", "dask"),
-        default="local",
-        help="where the jobs run: processes on this machine, or the workers of a Dask cluster (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDR",
-        help="address of the Dask scheduler, such as tcp://host:8786; its workers need footsel[oracle,cluster] and "
-        "no common disk",
-    )
+    add_engine(parser)
     add_robot(parser)
     add_seed(parser)
     add_jobs(parser)
@@ -63,8 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Make the shards and the manifest."""
-    if (args.engine == "dask") != (args.scheduler is not None):
-        raise InputError("--engine dask and --scheduler ADDR belong together", "give both or neither")
+    check_engine(args)
     with needing("footsel dataset", "oracle"):
         from footsel.dataset import open_dataset
         from footsel.dataset.config import DatasetConfig

@@ -12,7 +12,19 @@ from footsel.cli.numbers import protect_negative_numbers
 from footsel.errors import FootselError, InputError
 
 #: In the order of their use. Each is the module `footsel.cli.NAME`, hyphens as underscores.
-COMMANDS = ("label", "select", "dataset", "train", "evaluate", "export", "terrain-cost", "compare", "bench", "robots")
+COMMANDS = (
+    "label",
+    "select",
+    "dataset",
+    "train",
+    "evaluate",
+    "export",
+    "terrain-cost",
+    "walk",
+    "compare",
+    "bench",
+    "robots",
+)
 
 EXIT_MISUSE = 2
 EXIT_INTERRUPTED = 130  # 128 + SIGINT

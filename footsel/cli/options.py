@@ -44,15 +44,19 @@ def add_map_format(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--layer", default="elevation", help="layer of a GridMap (default: %(default)s)")
 
 
+def map_options(args: argparse.Namespace) -> dict[str, Any]:
+    """How the options say that a map file is read: the keywords of ElevationMap.load."""
+    return {
+        "resolution": args.resolution,
+        "png_range": args.png_range,
+        "png_zero_unknown": args.png_zero_unknown,
+        "layer": args.layer,
+    }
+
+
 def load_map(args: argparse.Namespace, path: Path | None = None) -> ElevationMap:
     """The map at `path` (default: MAP), read as the options say."""
-    return ElevationMap.load(
-        args.map if path is None else path,
-        resolution=args.resolution,
-        png_range=args.png_range,
-        png_zero_unknown=args.png_zero_unknown,
-        layer=args.layer,
-    )
+    return ElevationMap.load(args.map if path is None else path, **map_options(args))
 
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
@@ -93,6 +97,28 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=jobs, default=-1, metavar="N", help="processes; -1 is one per core (default: %(default)s)"
     )
+
+
+def add_engine(parser: argparse._ActionsContainer) -> None:
+    """--engine and --scheduler: where independent jobs run."""
+    parser.add_argument(
+        "--engine",
+        choices=("local", "dask"),
+        default="local",
+        help="where the jobs run: processes on this machine, or the workers of a Dask cluster (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDR",
+        help="address of the Dask scheduler, such as tcp://host:8786; its workers need the same extras of footsel and "
+        "cluster, and no common disk",
+    )
+
+
+def check_engine(args: argparse.Namespace) -> None:
+    """Raise InputError if only one of --engine dask and --scheduler is given."""
+    if (args.engine == "dask") != (args.scheduler is not None):
+        raise InputError("--engine dask and --scheduler ADDR belong together", "give both or neither")
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 FIGURES_FILE = "compare.json"
+WALKS_FILE = "walks.json"
 REPORT_FILE = "report.html"
 
 
-def write_comparison(out: Path, figures: Mapping[str, Any], report: str) -> Path:
-    """Write `compare.json` and `report.html` into folder `out`, made if it is not there. Returns the report's path.
+def write_comparison(out: Path, figures: Mapping[str, Any], report: str, figures_file: str = FIGURES_FILE) -> Path:
+    """Write the figures and `report.html` into folder `out`, made if it is not there. Returns the report's path.
 
     Everything is written beside `out` first and then put in its place, so that no half report is ever seen.
     """
@@ -21,10 +22,10 @@ def write_comparison(out: Path, figures: Mapping[str, Any], report: str) -> Path
     temporary = out.with_name(f".{out.name}.{os.getpid()}.tmp")
     temporary.mkdir()
     try:
-        (temporary / FIGURES_FILE).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        (temporary / figures_file).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         (temporary / REPORT_FILE).write_text(report, encoding="utf-8")
         if out.exists():
-            for name in (FIGURES_FILE, REPORT_FILE):
+            for name in (figures_file, REPORT_FILE):
                 (temporary / name).replace(out / name)
         else:
             temporary.rename(out)

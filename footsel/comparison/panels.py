@@ -140,7 +140,7 @@ def draw_selection(
 def draw_map(axes: Axes, elevation_map: ElevationMap) -> None:
     """A whole map, world x to the right and y up, heights lit from one side."""
     (x0, y0), (x1, y1) = (elevation_map.position + sign * np.array(elevation_map.size) / 2 for sign in (-1, 1))
-    image = _shaded(elevation_map.elevation, elevation_map.resolution)
+    image = shaded(elevation_map.elevation, elevation_map.resolution)
     axes.imshow(image.transpose(1, 0, 2), origin="lower", extent=(x0, x1, y0, y1), interpolation="nearest")
     axes.set_autoscale_on(False)
     axes.set_xlabel("world x [m]", fontsize=TEXT_SIZE)
@@ -151,7 +151,7 @@ def draw_map(axes: Axes, elevation_map: ElevationMap) -> None:
 
 def draw_terrain(axes: Axes, local_map: LocalMap) -> None:
     """Heights relative to the hip point, lit from one side."""
-    show_cells(axes, local_map, _shaded(local_map.heights, local_map.resolution))
+    show_cells(axes, local_map, shaded(local_map.heights, local_map.resolution))
     _colour_bar(axes, _height_limits(local_map.heights), TERRAIN_MAP)
 
 
@@ -318,7 +318,7 @@ def save_png(figure: Figure, path: Path, dpi: float = 150) -> None:
     replace_file(Path(path), lambda temporary: temporary.write_bytes(content))
 
 
-def _shaded(heights: NDArray[np.floating], resolution: float) -> NDArray[np.float64]:
+def shaded(heights: NDArray[np.floating], resolution: float) -> NDArray[np.float64]:
     """(n, m, 4) grey by height, lit from one side, unknown cells in their own colour."""
     known = np.isfinite(heights)
     filled = np.where(known, heights, np.median(heights[known]) if known.any() else 0.0).astype(np.float64)

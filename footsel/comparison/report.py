@@ -45,16 +45,20 @@ LIBRARIES = ("numpy", "onnxruntime", "pin", "coal", "numba")
 
 @dataclass(frozen=True)
 class Run:
-    """How the figures came about. command: as typed. jobs: processes. cpu: name of the processor."""
+    """How the figures came about.
+
+    command: as typed. jobs: processes. cpu: name of the processor. libraries: those whose versions matter.
+    """
 
     command: str
     jobs: int
     cpu: str
+    libraries: tuple[str, ...] = LIBRARIES
 
     def to_dict(self) -> dict[str, Any]:
         """The entry `run` of `compare.json`."""
         versions = {"footsel": footsel.__version__, "python": platform.python_version()}
-        for library in LIBRARIES:
+        for library in self.libraries:
             try:
                 versions[library] = version(library)
             except PackageNotFoundError:
@@ -62,8 +66,8 @@ class Run:
         return {"command": self.command, "jobs": self.jobs, "cpu": self.cpu, "versions": versions}
 
 
-def render(comparison: Comparison, figures: Mapping[str, Any], run: Run) -> str:
-    """The HTML of `report.html`. figures: of `comparison.figures()`."""
+def make_environment() -> Environment:
+    """Of the templates beside this package, with the filters that they use."""
     environment = Environment(
         loader=PackageLoader("footsel.comparison"),
         autoescape=True,
@@ -72,24 +76,33 @@ def render(comparison: Comparison, figures: Mapping[str, Any], run: Run) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(percent=summary.percent, distance=summary.distance)
+    return environment
+
+
+def render(comparison: Comparison, figures: Mapping[str, Any], run: Run) -> str:
+    """The HTML of `report.html`. figures: of `comparison.figures()`."""
     judged = judged_selector(comparison)
-    return environment.get_template("report.html.j2").render(
-        figures=figures,
-        run=run.to_dict(),
-        judged=judged,
-        scorer=comparison.contestants.scorer,
-        opening=summary.opening(figures),
-        paragraphs=[summary.about_selector(name, figures) for name in figures["selectors"] if name != "oracle"],
-        weak_sides="" if judged is None else summary.weak_sides(judged, figures),
-        about_time=summary.about_time(figures, run.jobs),
-        descriptions=DESCRIPTIONS,
-        short_names=summary.short_names(figures["maps"]),
-        reasons={reason.name: panels.reason_text(reason) for reason in Reason},
-        reason_colours={reason.name: palette.REASON_COLOURS[reason] for reason in Reason},
-        what_fails=summary.WHAT_FAILS,
-        marks=palette.MARKS,
-        palette=palette,
-        examples=[_example_entry(comparison.contestants, example) for example in choose_examples(comparison)],
+    return (
+        make_environment()
+        .get_template("report.html.j2")
+        .render(
+            figures=figures,
+            run=run.to_dict(),
+            judged=judged,
+            scorer=comparison.contestants.scorer,
+            opening=summary.opening(figures),
+            paragraphs=[summary.about_selector(name, figures) for name in figures["selectors"] if name != "oracle"],
+            weak_sides="" if judged is None else summary.weak_sides(judged, figures),
+            about_time=summary.about_time(figures, run.jobs),
+            descriptions=DESCRIPTIONS,
+            short_names=summary.short_names(figures["maps"]),
+            reasons={reason.name: panels.reason_text(reason) for reason in Reason},
+            reason_colours={reason.name: palette.REASON_COLOURS[reason] for reason in Reason},
+            what_fails=summary.WHAT_FAILS,
+            marks=palette.MARKS,
+            palette=palette,
+            examples=[_example_entry(comparison.contestants, example) for example in choose_examples(comparison)],
+        )
     )
 
 

@@ -37,5 +37,10 @@ class BulletWorld(BulletClient):  # type: ignore[misc]
         self._pid = os.getpid()
         self._client = pybullet.connect(pybullet.DIRECT)
 
+    @property
+    def id(self) -> int:
+        """The world's physicsClientId."""
+        return int(self._client)
+
 
 __all__ = ["BulletWorld", "pybullet"]

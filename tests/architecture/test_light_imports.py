@@ -33,7 +33,9 @@ def heavy_modules_after(code: str, *arguments: str) -> list[str]:
     return done.stdout.splitlines()[-1].split()[1:]
 
 
-@pytest.mark.parametrize("module", ["footsel", "footsel.runtime", "footsel.footholds", "footsel.terrain"])
+@pytest.mark.parametrize(
+    "module", ["footsel", "footsel.runtime", "footsel.footholds", "footsel.terrain", "footsel.mapping"]
+)
 def test_importing_is_light(module):
     assert heavy_modules_after(f"import {module}") == []
 

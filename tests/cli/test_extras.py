@@ -12,7 +12,7 @@ from footsel.legs import LEGS
 BARE = """
 import sys
 for name in ("torch", "pinocchio", "coal", "numba", "scipy", "tqdm", "joblib", "matplotlib", "jinja2", "onnx", "tomli",
-             "pybullet", "safetensors", "rosbags", "PIL", "plyfile", "distributed", "example_robot_data"):
+             "pybullet", "av", "safetensors", "rosbags", "PIL", "plyfile", "distributed", "example_robot_data"):
     sys.modules[name] = None
 from footsel.cli.main import main
 sys.exit(main(sys.argv[1:]))
@@ -42,6 +42,8 @@ def test_numpy_and_onnxruntime_are_enough(bumpy_map, model_folder, level_pose):
         (("evaluate", "m", "d", "--out", "m.json"), "train"),
         (("export", "r", "o"), "train"),
         (("terrain-cost", "fit", "o"), "sim"),
+        (("walk", "--terrain", "flat"), "sim"),
+        (("compare", "--walk", "flat", "--out", "d"), "sim"),
         (("select", "cloud.ply", "POSE"), "maps"),
     ],
 )

@@ -57,6 +57,34 @@ def test_contacts_are_put_into_words(tables, tmp_path):
     assert "| self collision | 1,234 | 1 | 2 | 80 |" in tables.contacts("verify_pybullet.json", "PyBullet")
 
 
+def test_walks_are_summed_up(tables, tmp_path):
+    def part(rate, **more):
+        means = dict.fromkeys(tables.WALK_METRICS, 1.25)
+        return {"n": 20, "success_rate": rate, "ci95": [rate / 2, rate], "means_of_successes": means, **more}
+
+    difference = {"mean": -0.25, "ci95": [-0.5, -0.1], "sign_test_p": 0.01, "pairs": 9}
+    result = {
+        "summary": {
+            "stairs": {"cnn": part(1.0), "nominal": part(0.0) | {"means_of_successes": None}},
+            "maps/field.npz": {"cnn": part(0.5)},
+        },
+        "network_minus": {
+            "stairs": {"nominal": {"success": difference, "shank_impacts": None, "hind_shank_contact_s": difference}}
+        },
+    }
+    (tmp_path / "walks.json").write_text(json.dumps(result))
+    assert tables.walks("walks.json").strip().splitlines()[2:] == [
+        "| stairs | 20 | 100% (50–100) | 0% (0–0) |",
+        "| field | 20 | 50% (25–50) | - |",
+    ]
+    assert [row.split("|")[1:4] for row in tables.walk_means("walks.json").strip().splitlines()[2:]] == [
+        [" stairs ", " `cnn` ", " 20 "],
+        [" field ", " `cnn` ", " 10 "],
+    ]
+    changed = "**−0.25** (−0.50 to −0.10)"
+    assert f"| stairs | `nominal` | {changed} | - | {changed} |" in tables.walk_differences("walks.json")
+
+
 def test_a_dataset_is_measured(script, tables, tmp_path, monkeypatch):
     measure = script("measure_dataset")
     monkeypatch.setattr(measure, "RESULT", tmp_path / "dataset.json")

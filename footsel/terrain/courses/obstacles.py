@@ -19,16 +19,16 @@ def pillars(rng: np.random.Generator, site: Site) -> Array:
         width = rng.uniform(0.05, 0.25)
         top = site.height_at(ground, x, y) + rng.uniform(0.2, 0.8)
         if chance(rng, 0.5):
-            site.stamp(heights, x, y, width / 2, _dome(width, width, 0.0, top, 0.0))
+            site.stamp(heights, x, y, width / 2, dome(width, width, 0.0, top, 0.0))
         else:
-            site.stamp(heights, x, y, 0.75 * width, _box(width, width, any_direction(rng), top))
+            site.stamp(heights, x, y, 0.75 * width, box(width, width, any_direction(rng), top))
     direction = any_direction(rng)
     for _ in range(rng.poisson(0.3 * site.size**2)):
         x, y = site.any_place(rng)
         length, thickness = rng.uniform(0.4, 1.6), rng.uniform(0.05, 0.2)
         yaw = direction + rng.integers(2) * np.pi / 2 + rng.normal(0, 0.15)
         top = site.height_at(ground, x, y) + rng.uniform(0.2, 0.8)
-        site.stamp(heights, x, y, length, _box(length, thickness, yaw, top))
+        site.stamp(heights, x, y, length, box(length, thickness, yaw, top))
     return heights
 
 
@@ -49,9 +49,9 @@ def rubble(rng: np.random.Generator, site: Site) -> Array:
         level = site.height_at(ground, x, y)
         level += rng.uniform(0, 0.6) * (site.height_at(heights, x, y) - level)
         if chance(rng, boulders):
-            top = _dome(length, width, yaw, level, height)
+            top = dome(length, width, yaw, level, height)
         else:
-            top = _box(length, width, yaw, level + height, np.tan(np.deg2rad(rng.uniform(-25, 25, 2))))
+            top = box(length, width, yaw, level + height, np.tan(np.deg2rad(rng.uniform(-25, 25, 2))))
         site.stamp(heights, x, y, np.hypot(length, width) / 2, top)
     return heights
 
@@ -66,7 +66,7 @@ def _scattered_blocks(rng: np.random.Generator, site: Site) -> Array:
         length, width = rng.uniform(0.12, 0.6, 2)
         tilt = np.tan(np.deg2rad(rng.uniform(-18, 18, 2))) if chance(rng, tilted) else np.zeros(2)
         level = site.height_at(ground, x, y) + rng.uniform(0.03, highest)
-        top = _box(length, width, any_direction(rng), level, tilt)
+        top = box(length, width, any_direction(rng), level, tilt)
         site.stamp(heights, x, y, np.hypot(length, width) / 2, top)
     return heights
 
@@ -91,7 +91,7 @@ def _block_field(rng: np.random.Generator, site: Site) -> Array:
     return np.asarray(level[stack] + way[..., 0] * du + way[..., 1] * dv)
 
 
-def _box(length: float, width: float, yaw: float, level: float, tilt: Array | None = None) -> Top:
+def box(length: float, width: float, yaw: float, level: float, tilt: Array | None = None) -> Top:
     """Top face of a box at `level` [m] above its middle; `tilt` (2,) is its slope along length and width [m/m]."""
     c, s = np.cos(yaw), np.sin(yaw)
 
@@ -103,7 +103,7 @@ def _box(length: float, width: float, yaw: float, level: float, tilt: Array | No
     return top
 
 
-def _dome(length: float, width: float, yaw: float, level: float, height: float) -> Top:
+def dome(length: float, width: float, yaw: float, level: float, height: float) -> Top:
     """Upper half of an ellipsoid that rises by `height` from `level` at its rim; a disc for height 0, in [m]."""
     c, s = np.cos(yaw), np.sin(yaw)
 

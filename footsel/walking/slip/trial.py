@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from footsel.terrain import ElevationMap
 from footsel.walking.bullet import BulletWorld, pybullet
+from footsel.walking.ground import make_ground
 from footsel.walking.slip.touchdown import touchdown_heights
 
 Array = NDArray[np.float64]
@@ -93,19 +94,9 @@ class SlipWorld:
         return np.array([self._client.getBasePositionAndOrientation(foot)[0] for foot in feet])
 
     def _make_ground(self) -> int:
-        rows, columns = self._heights.shape
-        shape = self._client.createCollisionShape(
-            pybullet.GEOM_HEIGHTFIELD,
-            meshScale=[self._resolution, self._resolution, 1],
-            heightfieldData=self._heights.T.ravel().tolist(),  # x varies fastest
-            numHeightfieldRows=rows,
-            numHeightfieldColumns=columns,
-        )
-        # Bullet puts the middle of the height range at the body's origin.
-        middle = (self._heights.max() + self._heights.min()) / 2
-        ground = self._client.createMultiBody(0, shape, basePosition=[*self._position, middle])
+        ground = make_ground(self._client, self._heights, self._resolution, self._position)
         self._client.setCollisionFilterGroupMask(ground, -1, _GROUND, _FEET)
-        return int(ground)
+        return ground
 
     def _make_foot(self) -> int:
         shape: Any = self._client.createCollisionShape(pybullet.GEOM_SPHERE, radius=self._radius)

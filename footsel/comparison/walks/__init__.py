@@ -1,0 +1,1 @@
+"""Walks with different selectors compared: success rates, paired differences, and the report on them."""

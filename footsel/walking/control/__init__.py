@@ -1,0 +1,1 @@
+"""From what base and feet should do to joint torques."""

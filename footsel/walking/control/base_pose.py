@@ -1,0 +1,156 @@
+"""Where the base should be: balanced over the standing feet, in reach of all of them, tilted with the ground.
+
+Solved by sequential quadratic programming over x, y, z, roll, pitch at a given yaw. What cannot be met is missed by as
+little as possible: bounds are soft, and the answer says by how much they are missed. The idea is that of
+Fankhauser, Bjelonic, Bellicoso, Miki and Hutter, "Robust Rough-Terrain Locomotion with a Quadrupedal Robot", ICRA 2018;
+the tilt has a cost of its own here, so that a base that leans aside does not roll.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import quadprog
+from numpy.typing import NDArray
+
+from footsel.footholds import BasePose
+
+Array = NDArray[np.float64]
+
+#: The centre of mass stays at least this far inside the support polygon. [m]
+STABILITY_MARGIN = 0.055
+#: From the hip point to the foot's centre: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
+LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
+#: The base tilts no further. [rad]
+STEEPEST = 0.4
+#: A leg longer than this is told to shorten, if it costs little: the base goes down where feet stand on different
+#: levels. [m]
+COMFORTABLE_LEG = 0.46
+#: What a radian off the best tilt costs beside a metre off the best place, both squared. [m^2 / rad^2]
+TILT_WEIGHT = 0.25
+#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg.
+BOUND_WEIGHT, NEXT_WEIGHT, COMFORT_WEIGHT = 2.5e3, 8.0, 2.0
+ITERATIONS = 6
+#: Largest change of a position and an angle in one iteration. [m], [rad]
+LARGEST_STEP = np.array([0.2, 0.2, 0.2, 0.3, 0.3])
+
+
+@dataclass(frozen=True, eq=False)
+class PoseProblem:
+    """What the base has to meet.
+
+    yaw: of the base, in [rad]. place: (3,) where the base would best be, in W, in [m]. tilt: (2,) its best roll and
+    pitch, in [rad]. hips: (4, 3) hip points in the base frame, in [m]. feet: (4, 3) foot centres that the legs have to
+    reach, by LEGS, in W, in [m]. com: (3,) centre of mass in the base frame, in [m].
+    support: (k, 2) corners, counter-clockwise, that the centre of mass lies over.
+    next_support: the same of the step to come: met as far as `support` and `reach` allow.
+    margin: how far inside, in [m].
+    """
+
+    yaw: float
+    place: Array
+    tilt: Array
+    hips: Array
+    feet: Array
+    com: Array
+    support: Array
+    next_support: Array | None = None
+    margin: float = STABILITY_MARGIN
+
+
+@dataclass(frozen=True)
+class PoseAnswer:
+    """pose: of the base. margin: of the centre of mass inside the support, negative outside. overreach: how much too
+    long or too short the worst leg is, both in [m].
+    """
+
+    pose: BasePose
+    margin: float
+    overreach: float
+
+
+def optimise_base_pose(problem: PoseProblem, guess: BasePose) -> PoseAnswer:
+    """The best pose from a first guess."""
+    values = np.array([guess.x, guess.y, guess.z, guess.roll, guess.pitch])
+    for _ in range(ITERATIONS):
+        step = _step(problem, values)
+        values = values + step
+        if np.abs(step).max() < 1e-4:
+            break
+    margin, overreach = _quality(problem, values)
+    x, y, z, roll, pitch = values.tolist()
+    return PoseAnswer(BasePose(x, y, z, roll, pitch, problem.yaw), margin, overreach)
+
+
+def inward_edges(corners: Array) -> tuple[Array, Array]:
+    """Normals (k, 2) into a counter-clockwise polygon and offsets (k,): a point p is `normals @ p - offsets` inside."""
+    along = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=-1) / np.linalg.norm(along, axis=1, keepdims=True)
+    return normals, np.asarray((normals * corners).sum(axis=1))
+
+
+def _step(problem: PoseProblem, values: Array) -> Array:
+    """(5,) change that solves the problem linearised at `values`.
+
+    The slacks are those of support, next support, reach and, one per leg, comfort.
+    """
+    points = np.concatenate([problem.com[None], problem.hips])
+    moved, jacobians = _move(problem.yaw, values, points)
+    weights = [BOUND_WEIGHT, NEXT_WEIGHT, BOUND_WEIGHT] + [COMFORT_WEIGHT] * 4
+    H, c = np.diag([0.0] * 5 + [2 * weight for weight in weights]), np.zeros(12)
+    H[range(3), range(3)] += 2
+    c[:3] += 2 * (problem.place - values[:3])
+    H[range(3, 5), range(3, 5)] += 2 * TILT_WEIGHT
+    c[3:5] += 2 * TILT_WEIGHT * (problem.tilt - values[3:])
+
+    rows, bounds = [], []
+
+    def bound(row: Array, slack: int | None, least: float) -> None:
+        rows.append(np.concatenate([row, np.eye(7)[slack] if slack is not None else np.zeros(7)]))
+        bounds.append(least)
+
+    for slack, corners in ((0, problem.support), (1, problem.next_support)):
+        if corners is not None:
+            for normal, offset in zip(*inward_edges(corners), strict=True):
+                bound(normal @ jacobians[0][:2], slack, problem.margin + offset - normal @ moved[0][:2])
+    for k, foot in enumerate(problem.feet):
+        leg = moved[1 + k] - foot
+        length = float(np.linalg.norm(leg))
+        row = leg / length @ jacobians[1 + k]
+        bound(-row, 2, length - LONGEST_LEG)
+        bound(-row, 3 + k, length - COMFORTABLE_LEG)
+        bound(row, 2, SHORTEST_LEG - length)
+    for axis in range(5):
+        row = np.eye(5)[axis]
+        low, high = -LARGEST_STEP[axis], LARGEST_STEP[axis]
+        if axis >= 3:
+            low, high = max(low, -STEEPEST - values[axis]), min(high, STEEPEST - values[axis])
+        bound(row, None, min(low, 0.0))
+        bound(-row, None, -max(high, 0.0))
+    for slack in range(7):
+        bound(np.zeros(5), slack, 0.0)
+    return np.asarray(quadprog.solve_qp(H, c, np.array(rows).T, np.array(bounds))[0][:5])
+
+
+def _quality(problem: PoseProblem, values: Array) -> tuple[float, float]:
+    points = np.concatenate([problem.com[None], problem.hips])
+    moved, _ = _move(problem.yaw, values, points)
+    normals, offsets = inward_edges(problem.support)
+    margin = float((normals @ moved[0][:2] - offsets).min())
+    lengths = np.linalg.norm(moved[1:] - problem.feet, axis=1)
+    return margin, float(np.maximum(lengths - LONGEST_LEG, SHORTEST_LEG - lengths).max())
+
+
+def _move(yaw: float, values: Array, points: Array) -> tuple[Array, Array]:
+    """Points (n, 3) of the base frame in W, and how they move (n, 3, 5) with x, y, z, roll, pitch."""
+    cr, sr, cp, sp = np.cos(values[3]), np.sin(values[3]), np.cos(values[4]), np.sin(values[4])
+    cy, sy = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    pitch = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    roll = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    pitch_rate = np.array([[-sp, 0.0, cp], [0.0, 0.0, 0.0], [-cp, 0.0, -sp]])
+    roll_rate = np.array([[0.0, 0.0, 0.0], [0.0, -sr, -cr], [0.0, cr, -sr]])
+    jacobians = np.zeros((len(points), 3, 5))
+    jacobians[:, :, :3] = np.eye(3)
+    jacobians[:, :, 3] = points @ (turn @ pitch @ roll_rate).T
+    jacobians[:, :, 4] = points @ (turn @ pitch_rate @ roll).T
+    return values[:3] + points @ (turn @ pitch @ roll).T, jacobians

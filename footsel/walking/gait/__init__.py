@@ -1,0 +1,1 @@
+"""When which leg swings, where it goes and how it gets there."""
