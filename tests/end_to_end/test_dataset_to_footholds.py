@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from footsel import ElevationMap
+from footsel.benchmark.baselines import torch_baselines
 from footsel.benchmark.cases import make_cases
-from footsel.benchmark.models import time_torch
+from footsel.benchmark.models import time_models
 from footsel.cli.main import main
-from footsel.errors import ModelError
 from footsel.exporting import export_run as export_module
 from footsel.legs import LEGS
 
@@ -54,11 +54,11 @@ def test_checkpoint_and_exported_model_have_the_same_figures(workplace):
 
 
 def test_torch_is_a_baseline_of_the_benchmark(workplace, anymal_layout):
-    for folder in ("run", "model"):
-        times = time_torch(workplace / folder, make_cases(anymal_layout, 3, seed=0))
-        assert set(times["network_ms"]) == {"p50", "p99"} and times["network_ms"]["p50"] > 0
-    with pytest.raises(ModelError, match="no model"):
-        time_torch(workplace / "absent", [])
+    cases = make_cases(anymal_layout, 3, seed=0)
+    with torch_baselines(workplace / "run", workplace / "model") as baselines:
+        _, beside = time_models(workplace / "model", cases, baselines)
+    assert set(beside) == {"torch_eager", "onnxruntime_unsimplified"}
+    assert all(times["network_ms"]["p50"] > 0 for times in beside.values())
 
 
 def test_select_with_the_exported_model(workplace, capsys):

@@ -82,7 +82,7 @@ def test_rows_are_what_the_plan_says_and_fill_the_page(ablations, script, tmp_pa
     assert [row["name"] for row in rows] == NAMES
     assert [(row["maps"], row["epochs"]) for row in rows] == [(16, 2), (16, 2), (8, 3)]
     assert rows[1]["parameters"] < rows[0]["parameters"] == rows[2]["parameters"]
-    assert rows[1]["changes"]["features"] == ["drops"]
+    assert rows[1]["changes"]["features"] == ["footing"]
     for row in rows:
         assert row["picks"]["picks"] + row["picks"]["none"] == 24  # All maps of the other dataset.
         assert len({len(points) for points in row["thresholds"].values()}) == 1

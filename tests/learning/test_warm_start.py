@@ -80,7 +80,9 @@ def test_a_release_s_weights_are_half_as_large_and_nearly_the_same(run, release,
         torch.testing.assert_close(tensor, net.state_dict()[name], rtol=2**-8, atol=1e-5)
     expected = logits(net, maps)
     assert (logits(learner.usable_network(), maps) - expected).abs().max() < 0.05 * expected.abs().max()
-    sizes = [path.stat().st_size for path in (release / "front.safetensors", run / "front" / "model.safetensors")]
+    files = [path.read_bytes() for path in (release / "front.safetensors", run / "front" / "model.safetensors")]
+    # Without their headers, whose length comes first in a file.
+    sizes = [len(content) - int.from_bytes(content[:8], "little") for content in files]
     assert sizes[0] < 0.6 * sizes[1]
 
 
@@ -147,4 +149,4 @@ def test_the_reasons_may_come_and_go(data, layout, few_balls, tmp_path, samples)
 def test_weights_that_do_not_fit_are_named(layout, few_balls, recipe):
     learner = Learner(recipe, layout, WEIGHTS, seed=0, skeleton=few_balls)
     with pytest.raises(RuntimeError, match="do not fit"):
-        learner.adopt({name: tensor for name, tensor in learner.weights().items() if "0.convolution" not in name})
+        learner.adopt(dict(list(learner.weights().items())[1:]))
