@@ -1,6 +1,5 @@
 """The whole way through the command line, tiny: dataset, training, evaluation, export, selection."""
 
-import functools
 import json
 
 import numpy as np
@@ -11,7 +10,6 @@ from footsel.benchmark.baselines import torch_baselines
 from footsel.benchmark.cases import make_cases
 from footsel.benchmark.models import time_models
 from footsel.cli.main import main
-from footsel.exporting import export_run as export_module
 from footsel.legs import LEGS
 
 
@@ -19,20 +17,17 @@ from footsel.legs import LEGS
 def workplace(tmp_path_factory):
     """Folder in which each step has left its files; a step that failed fails the tests that read them."""
     root = tmp_path_factory.mktemp("whole_way")
-    with pytest.MonkeyPatch.context() as patch:
-        few_maps = functools.partial(export_module.export_run, parity_maps=22)
-        patch.setattr(export_module, "export_run", few_maps)
-        dataset, run = str(root / "data"), str(root / "run")
-        made = ["dataset", dataset, "--maps", "16", "--seed", "5", "--jobs", "1", "--exclude", "pillars"]
-        made += ["--maps-per-shard", "8"]
-        assert main(made) == 0
-        assert main(made) == 0  # A finished dataset is left as it is.
-        assert main(["train", dataset, run, "--epochs", "1"]) == 0
-        assert main(["train", dataset, run, "--epochs", "1"]) == 2  # It holds a training already.
-        assert main(["train", dataset, run, "--epochs", "1", "--resume"]) == 0
-        assert main(["export", run, str(root / "model")]) == 0
-        for model in ("run", "model"):
-            assert main(["evaluate", str(root / model), dataset, "--out", str(root / f"{model}.json")]) == 0
+    dataset, run = str(root / "data"), str(root / "run")
+    made = ["dataset", dataset, "--maps", "16", "--seed", "5", "--jobs", "1", "--exclude", "pillars"]
+    made += ["--maps-per-shard", "8"]
+    assert main(made) == 0
+    assert main(made) == 0  # A finished dataset is left as it is.
+    assert main(["train", dataset, run, "--epochs", "1"]) == 0
+    assert main(["train", dataset, run, "--epochs", "1"]) == 2  # It holds a training already.
+    assert main(["train", dataset, run, "--epochs", "1", "--resume"]) == 0
+    assert main(["export", run, str(root / "model"), "--parity-maps", "22"]) == 0
+    for model in ("run", "model"):
+        assert main(["evaluate", str(root / model), dataset, "--out", str(root / f"{model}.json")]) == 0
     return root
 
 
