@@ -7,6 +7,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from footsel.footholds import LegLayout
+from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
 from footsel.learning.posture import TIMES_I, Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -35,19 +36,19 @@ class LegClearance(nn.Module):
         self._unit = LARGEST_CLEARANCE * layout.resolution
         radii = sorted(set(skeleton.radius.tolist()))
         rises = _rises(np.array(radii), layout.resolution)
-        self._keep("rises", rises[..., None, None] / self._unit)
+        keep_constant(self, "rises", rises[..., None, None] / self._unit)
         weight, bias = _ball_sums(skeleton)
-        self._keep("weight", weight)
-        self._keep("bias", bias[:, None])
+        keep_constant(self, "weight", weight)
+        keep_constant(self, "bias", bias[:, None])
 
         # From the leg's axes to the map: rows and columns, and heights.
-        self._keep("leg_axes", np.column_stack([skeleton.basis.T, skeleton.haa]))
-        self._keep("scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]))
-        self._keep("middle", np.array([[(CELLS - 1) / 2], [(CELLS - 1) / 2], [0.0]]))
+        keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, skeleton.haa]))
+        keep_constant(self, "scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]))
+        keep_constant(self, "middle", np.array([[(CELLS - 1) / 2], [(CELLS - 1) / 2], [0.0]]))
         # Ball after ball, where its radius's surface begins.
         surface = np.array([radii.index(radius) for radius in skeleton.radius])
-        self._keep("index", np.array([[float(CELLS), 1.0]]))
-        self._keep("first_index", np.repeat(surface * CELLS**2, CELLS**2)[None])
+        keep_constant(self, "index", np.array([[float(CELLS), 1.0]]))
+        keep_constant(self, "first_index", np.repeat(surface * CELLS**2, CELLS**2)[None])
 
     @torch.no_grad()
     def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
@@ -100,10 +101,6 @@ class LegClearance(nn.Module):
         rings = self.get_buffer("rises").shape[1]
         highest = [functional.max_pool2d(ground, 2 * ring + 1, stride=1, padding=ring) for ring in range(1, rings)]
         return (torch.cat([ground, *highest], dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
-
-    def _keep(self, name: str, value: NDArray[np.float64]) -> None:
-        """A constant that goes where the layer goes, but not into files."""
-        self.register_buffer(name, torch.from_numpy(value).float(), persistent=False)
 
 
 def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

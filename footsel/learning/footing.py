@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from footsel.footholds import LegLayout
+from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
 from footsel.oracle.terrain_cost import LARGEST_DROP, LARGEST_FEATURE, PLANE, STENCIL, TerrainCostModel
 
@@ -34,12 +35,12 @@ class Footing(nn.Module):
         self.drops = Drops(layout.height_range)
         weights = STENCIL[:, 2]
         slopes = np.stack([[weights, -weights], [weights, weights]]) * LARGEST_DROP / PLANE
-        self._keep("slopes", slopes.reshape(2, -1, 1, 1))
-        self._keep("shares", (np.insert(weights, 12, 0.0) / weights.sum()).reshape(1, 1, 5, 5))
+        keep_constant(self, "slopes", slopes.reshape(2, -1, 1, 1))
+        keep_constant(self, "shares", (np.insert(weights, 12, 0.0) / weights.sum()).reshape(1, 1, 5, 5))
         exponent, constant, peaks = _mixture(TerrainCostModel.load())
-        self._keep("exponent", exponent)
-        self._keep("constant", constant[:, None])
-        self._keep("peaks", peaks)
+        keep_constant(self, "exponent", exponent)
+        keep_constant(self, "constant", constant[:, None])
+        keep_constant(self, "peaks", peaks)
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, 40, 40) depth in [0, 1] and 1 where it is known -> (n, 6, 1600)."""
@@ -58,10 +59,6 @@ class Footing(nn.Module):
             cost = 1 - torch.minimum(quality[:, :1] * share, quality[:, 1:])
             return torch.cat([slopes, counted, share, cost], dim=1)
 
-    def _keep(self, name: str, value: NDArray[np.float64]) -> None:
-        """A constant that goes where the layer goes, but not into files."""
-        self.register_buffer(name, torch.from_numpy(value).float(), persistent=False)
-
 
 class FootSurface(nn.Module):
     """Depth of the lowest point of a foot that touches the ground from above each cell: what the terrain cost sees.
@@ -76,8 +73,8 @@ class FootSurface(nn.Module):
         sinking = layout.foot_radius - (layout.foot_radius**2 - aside).clamp(min=0).sqrt()
         # Beside the foot there is nothing to rest on: deeper than the image goes.
         sinking = torch.where(aside < layout.foot_radius**2, sinking / layout.height_range, 1.0)
-        self.register_buffer("sinking", sinking.float().reshape(9), persistent=False)
-        self.register_buffer("weight", torch.eye(9).reshape(9, 1, 3, 3), persistent=False)
+        keep_constant(self, "sinking", sinking.reshape(9))
+        keep_constant(self, "weight", np.eye(9).reshape(9, 1, 3, 3))
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> the same shape."""
@@ -110,8 +107,8 @@ class Drops(nn.Module):
                 weight[channel, 0, i, j], weight[channel, 0, 2, 2] = sign, -sign
                 # An unknown cell counts as depth 0; then the bias, which two known cells cancel, keeps the sum below 0.
                 weight[channel, 1, i, j] = weight[channel, 1, 2, 2] = scale
-        self.register_buffer("weight", weight, persistent=False)
-        self.register_buffer("bias", torch.full((self.CHANNELS,), -2 * scale), persistent=False)
+        keep_constant(self, "weight", weight)
+        keep_constant(self, "bias", np.full(self.CHANNELS, -2 * scale))
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 48, h, w)."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
 from footsel.learning.skeleton import LegSkeleton
 
@@ -41,8 +41,8 @@ class Posture(nn.Module):
         along, z = leg.basis[:1], leg.basis[1:] / length
         axes = np.vstack([along / length, leg.plane_offset / length * z, -TIMES_I @ z, z])
         to_hfe = np.append(leg.hfe_offset[0] / length, np.zeros(6))
-        self.register_buffer("weight", _constant(height_range * axes), persistent=False)
-        self.register_buffer("bias", _constant((-axes @ leg.haa - to_hfe)[:, None]), persistent=False)
+        keep_constant(self, "weight", height_range * axes)
+        keep_constant(self, "bias", (-axes @ leg.haa - to_hfe)[:, None])
 
     @torch.no_grad()
     def forward(self, place: Tensor) -> Tensor:
@@ -66,7 +66,3 @@ class Posture(nn.Module):
             slack = thigh / reach - forward * forward
             aside = leg.knee_branch * slack.clamp(min=0).sqrt()
             return torch.cat([abduction, foot, forward * foot, aside * foot, reach, slack.clamp(-1, 1)], dim=1)
-
-
-def _constant(value: NDArray[np.float64]) -> Tensor:
-    return torch.from_numpy(value).float()

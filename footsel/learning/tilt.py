@@ -7,6 +7,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from footsel.footholds.encoding import TILT_RANGE
+from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
 
 #: Every entry of Ry(pitch) Rx(roll) is a product of two of: cosines of roll and pitch, their sines, and 1, or of their
@@ -28,13 +29,13 @@ class Tilt(nn.Module):
         for column, name in enumerate(("roll", "pitch")):
             if name in planes:
                 angles[planes.index(name), column] = TILT_RANGE
-        self.register_buffer("angles", angles, persistent=False)
+        keep_constant(self, "angles", angles)
         for name, factors in (("first", _FIRST), ("second", _SECOND)):
             weight = torch.zeros(len(factors), len(_FUNCTIONS))
             for entry, factor in enumerate(factors):
                 if factor != "0":
                     weight[entry, _FUNCTIONS.index(factor.lstrip("-"))] = -1 if factor.startswith("-") else 1
-            self.register_buffer(name, weight, persistent=False)
+            keep_constant(self, name, weight)
 
     def forward(self, maps: Tensor) -> Tensor:
         """(n, planes, 40, 40) network input, whose tilt planes are the same all over -> (n, 3, 3)."""

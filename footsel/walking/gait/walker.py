@@ -148,7 +148,6 @@ class Walker:
             self._stop(time, answer.reason)
             return
         self.step = answer
-        self._swing = None
         distance = float(np.linalg.norm(answer.lift.position - self.target[:3]))
         duration = SHORTEST_SHIFT + distance / SHIFT_SPEED
         goal, touchdown = np.array(answer.lift.as_list()), np.array(answer.touchdown.as_list())
