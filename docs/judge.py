@@ -16,14 +16,17 @@ from typing import Any
 
 import numpy as np
 
+from footsel.comparison.maps import built_in_courses
+from footsel.comparison.poses import draw_poses
 from footsel.dataset import Samples, open_dataset
+from footsel.dataset.samples import decode_heights, encode_heights
 from footsel.errors import FootselError, InputError
 from footsel.files import write_json
 from footsel.footholds import Reason
 from footsel.footholds.metrics import PickMetrics
 from footsel.learning.checkpoint import load_network
 from footsel.learning.degraded import Degradation, degraded
-from footsel.learning.evaluate import EvaluatedModel, evaluate_model, find_models
+from footsel.learning.evaluate import EvaluatedModel, evaluate, evaluate_model, find_models
 from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells
 from footsel.legs import TRAINED_LEG
 from footsel.oracle import Oracle
@@ -39,6 +42,8 @@ DEGRADATIONS = {
 }
 #: Maps of each leg that the oracle labels again on degraded input.
 ORACLE_MAPS = 2000
+#: Base poses per built-in course that are drawn as `footsel compare` draws them, and the seed of both.
+POSES, SEED = 300, 200
 
 
 def main() -> int:
@@ -97,19 +102,52 @@ def held_out(run: Path, dataset: Path) -> dict[str, Any]:
 
 
 def degraded_input(model: Path, dataset: Path) -> dict[str, Any]:
-    """Figures of each network and picks of the oracle for every degradation."""
+    """Figures of each network and picks of the oracle for every degradation: on the dataset, and as compare asks."""
+    found = find_models(model)
+    drawn = {network.name: open_dataset(dataset).load(network.pair) for network in found}
+    asked = {network.name: as_compared(network) for network in found}
+    return {
+        "judged_on": _dataset(dataset),
+        **_degraded(found, drawn),
+        "as_compared": {"seed": SEED, "poses": POSES, **_degraded(found, asked)},
+    }
+
+
+def _degraded(models: Sequence[EvaluatedModel], samples: Mapping[str, Samples]) -> dict[str, Any]:
+    """networks and oracle: name of the network -> degradation -> figures."""
     networks: dict[str, Any] = {}
-    for name, degradation in DEGRADATIONS.items():
-        for network, figures in evaluate_model(model, dataset, degradation=degradation)["networks"].items():
-            networks.setdefault(network, {})[name] = _main_figures(figures["all"])
-    oracle = {}
-    for found in find_models(model):
-        samples = open_dataset(dataset).load(found.pair)
-        samples = samples.take(slice(ORACLE_MAPS))
-        oracle[found.name] = {
-            name: _oracle_picks(samples, found, degradation) for name, degradation in DEGRADATIONS.items()
-        }
-    return {"judged_on": _dataset(dataset), "networks": networks, "oracle": {"maps": ORACLE_MAPS, **oracle}}
+    oracle: dict[str, Any] = {}
+    for found in models:
+        maps, leg = samples[found.name], TRAINED_LEG[found.pair]
+        for name, degradation in DEGRADATIONS.items():
+            figures = evaluate(found.predict, maps, found.layout, leg, found.feasible_below, degradation)
+            networks.setdefault(found.name, {})[name] = _main_figures(figures["all"])
+            oracle.setdefault(found.name, {})[name] = _oracle_picks(maps.take(slice(ORACLE_MAPS)), found, degradation)
+    return {"networks": networks, "oracle": {"maps": ORACLE_MAPS, **oracle}}
+
+
+def as_compared(found: EvaluatedModel) -> Samples:
+    """Maps of the trained leg at base poses that `footsel compare` would draw on built-in courses, labelled."""
+    oracle, layout, leg = Oracle.load(found.robot), found.layout, TRAINED_LEG[found.pair]
+    maps, poses, families = [], [], []
+    for index, course in enumerate(built_in_courses(SEED)):
+        for pose in draw_poses(np.random.default_rng([SEED, index]), course.elevation_map, layout, POSES):
+            maps.append(layout.local_map(course.elevation_map, pose, leg).heights)
+            poses.append([pose.x, pose.y, pose.z, pose.roll, pose.pitch, pose.yaw])
+            families.append(course.name)
+    steps = encode_heights(np.stack(maps))
+    labels = [
+        oracle.label(LocalMap(heights, layout.resolution, np.zeros(3), 0.0), leg, *pose[3:5])
+        for heights, pose in zip(decode_heights(steps), poses, strict=True)
+    ]
+    return Samples(
+        heights_tenth_mm=steps,
+        cost=np.stack([label.cost_image for label in labels]),
+        reason=np.stack([label.reason for label in labels]),
+        pose=np.array(poses, dtype=np.float32),
+        family=np.array(families),
+        course=np.full(len(poses), SEED),
+    )
 
 
 def _oracle_picks(samples: Samples, found: EvaluatedModel, degradation: Degradation) -> dict[str, Any]:

@@ -182,16 +182,18 @@ def degraded() -> str:
         "both": "both",
     }
     rows = []
-    for whose, by_network in (("network", result["networks"]), ("oracle", result["oracle"])):
-        for key, name in names.items():
-            row = [f"{whose}, {name}"]
-            for network in result["networks"]:
-                found = by_network[network][key]
-                picks = found["picks"] if whose == "network" else found
-                row += [percent(picks["infeasible_rate"]), percent(picks["missed_rate"]), number(picks["regret_mean"])]
-            rows.append(row)
+    for poses, group in (("as compared", result["as_compared"]), ("dataset", result)):
+        for whose, by_network in (("network", group["networks"]), ("oracle", group["oracle"])):
+            for key, name in names.items():
+                row = [poses, f"{whose}, {name}"]
+                for network in group["networks"]:
+                    found = by_network[network][key]
+                    picks = found["picks"] if whose == "network" else found
+                    row += [percent(picks["infeasible_rate"]), percent(picks["missed_rate"])]
+                    row += [number(picks["regret_mean"])]
+                rows.append(row)
     figures = ("infeasible picks", "missed", "mean regret")
-    head = ["input", *(f"{network}: {figure}" for network in result["networks"] for figure in figures)]
+    head = ["poses", "input", *(f"{network}: {figure}" for network in result["networks"] for figure in figures)]
     return table(head, rows)
 
 

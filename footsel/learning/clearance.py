@@ -19,14 +19,19 @@ LARGEST_CLEARANCE = 5.0
 LAST = float(np.nextafter(np.float32(CELLS - 1), np.float32(0)))
 #: Of what a ball does not touch, in [m].
 FAR_BELOW = 10.0
+#: Cells beyond a ball that still count, lower by FALL metres per metre: so a wall beside a body shows before it is
+#: touched. Bodies have rims, and stand askew, where their balls end. By trial on 1500 local maps, with a small network
+#: that sees nothing but this and the posture: where it gives away 1 % of the feasible cells it takes 2.6 % of the
+#: colliding ones for feasible, without the ring 5.1 %; where it gives away 3 %, 0.3 instead of 3.3 %.
+BEYOND, FALL = 1, 5.0
 
 
 class LegClearance(nn.Module):
     """Clearance of each ball of the leg's skeleton over the terrain below it, in [-1, 1], 1 at LARGEST_CLEARANCE.
 
-    The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius. The balls fill the
-    bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no gradient passes;
-    computed in float32 even under autocast.
+    The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius and a margin aside. The
+    balls fill the bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no
+    gradient passes; computed in float32 even under autocast.
     """
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton) -> None:
@@ -98,9 +103,11 @@ class LegClearance(nn.Module):
         """
         depth = 1 - (1 - depth) * known
         ground = depth * (-self._layout.height_range / self._unit)
-        rings = self.get_buffer("rises").shape[1]
-        highest = [functional.max_pool2d(ground, 2 * ring + 1, stride=1, padding=ring) for ring in range(1, rings)]
-        return (torch.cat([ground, *highest], dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
+        # Of each square around a cell, from that of the one before.
+        highest = [ground]
+        while len(highest) < self.get_buffer("rises").shape[1]:
+            highest.append(functional.max_pool2d(highest[-1], 3, stride=1, padding=1))
+        return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
 
 
 def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -128,11 +135,14 @@ def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float6
 def _rises(radii: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
     """(radii, rings) how far the centre of a ball lies above the cells of a square ring that it touches, in [m].
 
-    Far below for rings that it does not reach.
+    Below them for BEYOND rings more, far below for those after.
     """
-    aside = np.arange(int(np.ceil(radii.max() / resolution - 1e-9))) * resolution
-    reached = aside < radii[:, None] - 1e-9
-    return np.where(reached, np.sqrt(np.maximum(radii[:, None] ** 2 - aside**2, 0)), -FAR_BELOW)
+    reached = np.ceil(radii / resolution - 1e-9).astype(int)[:, None]
+    rings = np.arange(reached.max() + BEYOND)
+    aside, radii = rings * resolution, radii[:, None]
+    touching = np.sqrt(np.maximum(radii**2 - aside**2, 0))
+    beside = np.where(rings < reached + BEYOND, FALL * (radii - aside), -FAR_BELOW)
+    return np.where(rings < reached, touching, beside)
 
 
 def _times(dividend: NDArray[np.float64], divisor: NDArray[np.float64]) -> NDArray[np.float64]:

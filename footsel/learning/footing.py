@@ -14,6 +14,7 @@ from torch.nn import functional
 from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
+from footsel.learning.grid import on_grid
 from footsel.oracle.terrain_cost import LARGEST_DROP, LARGEST_FEATURE, PLANE, STENCIL, TerrainCostModel
 
 #: Less than the share of one neighbour of the outer ring: no neighbour is known.
@@ -72,7 +73,7 @@ class FootSurface(nn.Module):
         aside = torch.tensor([[a * a + b * b for b in (-1, 0, 1)] for a in (-1, 0, 1)]).double() * layout.resolution**2
         sinking = layout.foot_radius - (layout.foot_radius**2 - aside).clamp(min=0).sqrt()
         # Beside the foot there is nothing to rest on: deeper than the image goes.
-        sinking = torch.where(aside < layout.foot_radius**2, sinking / layout.height_range, 1.0)
+        sinking = torch.where(aside < layout.foot_radius**2, on_grid(sinking / layout.height_range), 1.0)
         keep_constant(self, "sinking", sinking.reshape(9))
         keep_constant(self, "weight", np.eye(9).reshape(9, 1, 3, 3))
 

@@ -23,6 +23,7 @@ from footsel.learning.clearance import LegClearance
 from footsel.learning.erfnet import BATCH_NORM_EPS, Downsampler, NonBottleneck1d
 from footsel.learning.float32 import float32
 from footsel.learning.footing import Footing
+from footsel.learning.grid import on_grid
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.place import Place
 from footsel.learning.posture import Posture
@@ -115,7 +116,7 @@ class FootNet(FootholdNetwork):
 
     def geometry(self, maps: Tensor) -> dict[str, Tensor]:
         """The planes of the fixed layers, each (n, ..., 1600), by name."""
-        depth = self._plane(maps, "height")
+        depth = on_grid(self._plane(maps, "height"))
         known = 1 - self._plane(maps, "unknown")
         tilt = self.tilt(maps)
         seen = {"place": self.place(depth.flatten(2), tilt)}

@@ -10,12 +10,13 @@ from footsel.errors import ModelError
 from footsel.learning.checkpoint import read_model
 from footsel.learning.files import MODEL_FILE, weights_file
 from footsel.learning.learner import Learner
+from footsel.learning.pruning import narrowed
 from footsel.learning.recipe import Recipe
 from footsel.learning.skeleton import LegSkeleton
 from footsel.runtime.model_folder import checksum, find_model_folder
 
-#: What must be the same in both recipes for weights to fit.
-_SHAPE = ("architecture", "planes", "cells", "widths", "blocks", "features", "balls")
+#: What must be the same in both recipes for weights to fit. Fewer channels in `cells` will do.
+_SHAPE = ("architecture", "planes", "widths", "blocks", "features", "balls")
 
 
 def find_weights(start: str | Path, pair: str) -> Path:
@@ -60,19 +61,30 @@ def skeleton_of(start: str | Path | None, pair: str) -> LegSkeleton | None:
 def start_from(learner: Learner, start: str | Path, pair: str) -> None:
     """Give a fresh learner the weights of another training.
 
-    The class weights' tilt comes back, as the recipe at hand has it. Only what no class depends on may be missing.
+    The class weights' tilt comes back, as the recipe at hand has it. Only what no class depends on may be missing. A
+    recipe with fewer channels in `cells`, and no context, begins with the weights that matter most
+    (footsel.learning.pruning).
     Raises ModelError if the weights are of another architecture or input.
     """
     path = find_weights(start, pair)
     weights, info = read_model(path)
     theirs, ours = Recipe.from_dict(info["recipe"]), learner.recipe
-    for key in _SHAPE:
+    shape = _SHAPE if _is_narrower(ours, theirs) else (*_SHAPE, "cells")
+    for key in shape:
         if getattr(theirs, key) != getattr(ours, key):
             raise ModelError(
                 f"{path} has {key} {getattr(theirs, key)}, the recipe {getattr(ours, key)}",
-                f"continue with a recipe of the same {', '.join(_SHAPE)}",
+                f"continue with a recipe of the same {', '.join(shape)}",
             )
+    if theirs.cells != ours.cells:
+        weights = narrowed(weights, ours.cells)
     try:
         learner.adopt(weights)
     except RuntimeError:
         raise ModelError(f"{path} holds no network of this footsel", "train from the beginning") from None
+
+
+def _is_narrower(ours: Recipe, theirs: Recipe) -> bool:
+    """Whether one network is the other with channels left out."""
+    fewer = all(our <= their for our, their in zip(ours.cells, theirs.cells, strict=False))
+    return len(ours.cells) == len(theirs.cells) and fewer and not (ours.widths or any(ours.blocks))

@@ -7,7 +7,7 @@ import torch
 from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
-from footsel.learning.clearance import LARGEST_CLEARANCE, LegClearance
+from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, LegClearance
 from footsel.learning.place import Place
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -82,12 +82,14 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
 
     def touching(radius, a, b):
         highest = -np.inf
-        for c in range(max(a - 4, 0), min(a + 5, 40)):
-            for d in range(max(b - 4, 0), min(b + 5, 40)):
+        for c in range(max(a - 6, 0), min(a + 7, 40)):
+            for d in range(max(b - 6, 0), min(b + 7, 40)):
                 aside = 0.02 * max(abs(c - a), abs(d - b))
                 height = -0.85 if np.isnan(heights[c, d]) else heights[c, d]
                 if aside < radius - 1e-9:
                     highest = max(highest, height + np.sqrt(radius**2 - aside**2))
+                elif aside < radius + BEYOND * 0.02 - 1e-9:
+                    highest = max(highest, height - FALL * (aside - radius))
         return highest
 
     for ball, i, j in np.random.default_rng(2).integers(0, (len(skeleton.radius), 40, 40), (300, 3)):
