@@ -24,6 +24,7 @@ TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
 COMMANDS = {
     "ablations.json": "python docs/ablations.py",
     "bench.json": "make bench-full",
+    "clearance.json": "python docs/measure_clearance.py",
     "courses.json": "footsel compare",
     "dataset.json": "python docs/measure_dataset.py",
     "degraded.json": "python docs/judge.py degraded",
@@ -194,6 +195,21 @@ def degraded() -> str:
                 rows.append(row)
     figures = ("infeasible picks", "missed", "mean regret")
     head = ["poses", "input", *(f"{network}: {figure}" for network in result["networks"] for figure in figures)]
+    return table(head, rows)
+
+
+def clearance() -> str:
+    """What a small network makes of each way to compute the leg's clearance."""
+    rows = [
+        [
+            name,
+            percent(row["errors"]),
+            percent(row["taken_for_feasible"]["0.01"]),
+            percent(row["taken_for_feasible"]["0.03"]),
+        ]
+        for name, row in read(RESULTS / "clearance.json")["variants"].items()
+    ]
+    head = ["clearance", "cells told wrongly", "collisions missed, 1 % of the feasible given away", "the same, 3 %"]
     return table(head, rows)
 
 
@@ -728,6 +744,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/dataset.md": {"dataset": dataset, "families": dataset_families},
     "docs/judging.md": {"degraded": degraded},
     "docs/learning.md": {
+        "clearance": clearance,
         "held out": held_out,
         "conditions": ablations_conditions,
         "picks": ablations_picks,
