@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout, Reason
@@ -20,6 +21,10 @@ THRESHOLDS: tuple[float, ...] = tuple(np.round(1 / (1 + np.exp(-np.arange(9, -28
 #: nothing. Never answering is no safety, and neither is an answer at any price.
 MOST_INFEASIBLE_PICKS = 0.007
 MOST_MISSED = 0.01
+
+
+#: Roll and pitch of the base that a threshold is chosen for, as far as `footsel compare` tilts it. [rad]
+USUAL_TILT = float(np.deg2rad(10.0))
 
 
 class ThresholdCurve:
@@ -68,6 +73,16 @@ def threshold_curve(predictions: Predictions, samples: Samples, layout: LegLayou
     curve = ThresholdCurve(layout, leg)
     curve.update(predictions, samples)
     return curve.result()
+
+
+def usual(samples: Samples) -> NDArray[np.bool_]:
+    """(n,) which maps are of a base no further tilted than USUAL_TILT; all, if none is.
+
+    A dataset has more tilt than robots should have, to learn from. There both kinds of mistake are commoner, and which
+    of the two is nearer to its limit is another matter.
+    """
+    level = np.maximum(np.abs(samples.roll), np.abs(samples.pitch)) <= USUAL_TILT
+    return np.asarray(level if level.any() else np.ones(len(samples), dtype=bool))
 
 
 def choose_feasible_below(curve: Sequence[Mapping[str, Any]]) -> float:

@@ -42,7 +42,7 @@ from footsel.learning.recipe import Recipe
 from footsel.learning.schedule import learning_rate as rate_of
 from footsel.learning.scores import Judgement
 from footsel.learning.skeleton import LegSkeleton
-from footsel.learning.threshold import choose_feasible_below, threshold_curve
+from footsel.learning.threshold import choose_feasible_below, threshold_curve, usual
 from footsel.learning.warm_start import lineage, skeleton_of, start_from
 from footsel.legs import TRAINED_LEG
 from footsel.robot import load_robot
@@ -225,7 +225,8 @@ def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.flo
     """The threshold with its curve and the figures at it, and the validation loss."""
     predictions = predict_all(network_predictor(learner.usable_network(), learner.encode), data.validation)
     leg = TRAINED_LEG[data.pair]
-    curve = threshold_curve(predictions, data.validation, data.layout, leg)
+    level = usual(data.validation)
+    curve = threshold_curve(predictions.take(level), data.validation.take(level), data.layout, leg)
     feasible_below = choose_feasible_below(curve)
     judgement = Judgement(data.layout, leg, feasible_below)
     judgement.update(predictions, data.validation)

@@ -13,7 +13,7 @@ from footsel.learning.loss import LABEL_CLASS
 from footsel.learning.picks import final_cost_maps, nominal_distances, pick_cells, picks_below
 from footsel.learning.predictions import predict_all
 from footsel.learning.scores import Judgement
-from footsel.learning.threshold import THRESHOLDS, at_missed, choose_feasible_below, threshold_curve
+from footsel.learning.threshold import THRESHOLDS, USUAL_TILT, at_missed, choose_feasible_below, threshold_curve, usual
 from footsel.runtime.evaluation import decode
 from footsel.terrain import LocalMap
 
@@ -202,3 +202,12 @@ def test_networks_are_compared_where_they_miss_equally_much():
     assert at_missed(curve, 0.04) == {"infeasible_rate": 0.1, "regret_mean": 6.0}
     assert at_missed(curve, 0.05) is None and at_missed(curve[2:], 0.01) is None
     assert at_missed([*curve, point(1.0, None, None)], 0.05) is None  # Nothing is picked there.
+
+
+def test_a_threshold_is_chosen_for_bases_that_are_not_tilted_far(samples):
+    pose = samples.pose.copy()
+    pose[:, 3:5] = 0
+    pose[1, 3], pose[2, 4], pose[3, 3:5] = -1.01 * USUAL_TILT, 1.01 * USUAL_TILT, 0.99 * USUAL_TILT
+    assert np.flatnonzero(~usual(replace(samples, pose=pose))).tolist() == [1, 2]
+    pose[:, 4] = 0.25
+    assert usual(replace(samples, pose=pose)).all()
