@@ -18,6 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("out", metavar="OUT", type=output_folder, help="model folder")
     parser.add_argument("--int8", action="store_true", help="add a variant quantised to 8 bits")
     parser.add_argument(
+        "--without-weights",
+        action="store_true",
+        help="leave out the .safetensors files, which runtimes do not need and trainings go on from",
+    )
+    parser.add_argument(
         "--parity-maps",
         type=whole_number(1),
         default=10_000,
@@ -31,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     with needing("footsel export", "train"):
         from footsel.exporting.export_run import export_run
 
-    out = export_run(args.trained, args.out, args.int8, args.parity_maps)
+    out = export_run(args.trained, args.out, args.int8, args.parity_maps, weights=not args.without_weights)
     print(f"model: {out} (how near it is to the trained network: {out / 'parity.json'})")
     print(f"next: footsel select MAP --pose 0 0 auto 0 0 0 --model {out}")
     return 0

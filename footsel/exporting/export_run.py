@@ -57,12 +57,15 @@ class ExportedPair:
     parity: Mapping[str, Mapping[str, Any]]
 
 
-def export_run(run: str | Path, out: str | Path, int8: bool = False, parity_maps: int = PARITY_MAPS) -> Path:
+def export_run(
+    run: str | Path, out: str | Path, int8: bool = False, parity_maps: int = PARITY_MAPS, weights: bool = True
+) -> Path:
     """Write the model folder `out` from `front` and `hind` networks and return its path.
 
     run: folder of `footsel train`; or a model folder or the name of one, exported again with this version's contract.
     int8: add a quantised variant of each network.
     parity_maps: number of maps on which every file is compared with the trained network.
+    weights: also keep what a training can go on from.
 
     Nothing is written if a network is missing, or if a float32 file says another class than its network. Files that
     `out` held before are replaced.
@@ -79,7 +82,8 @@ def export_run(run: str | Path, out: str | Path, int8: bool = False, parity_maps
     parity = {pair: exported.parity for pair, exported in pairs.items()}
     metrics = {pair: info["validation"] for pair, info in infos.items()}
     networks = {name: content for exported in pairs.values() for name, content in exported.files.items()}
-    networks.update({weights_file(pair): source.weights for pair, source in sources.items()})
+    if weights:
+        networks.update({weights_file(pair): source.weights for pair, source in sources.items()})
     texts = {
         "metrics.json": _json({"robot": infos["front"]["robot"], **metrics}),
         PARITY_FILE: _json(parity),
@@ -160,6 +164,7 @@ def _write_folder(out: Path, contents: Mapping[str, bytes]) -> None:
             return
         for file in files:
             (draft / file).replace(out / file)
-    # Variants of an earlier export do not belong to this one.
-    for stale in {network_file(pair, variant) for pair in PAIRS for variant in VARIANTS} - set(files):
+    # Variants and weights of an earlier export do not belong to this one.
+    known = {network_file(pair, variant) for pair in PAIRS for variant in VARIANTS} | set(map(weights_file, PAIRS))
+    for stale in known - set(files):
         (out / stale).unlink(missing_ok=True)

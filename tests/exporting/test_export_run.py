@@ -290,3 +290,13 @@ def test_a_missing_package_names_the_extra(package):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
     last = done.stderr.strip().splitlines()[-1]
     assert last.endswith(f"needs the package '{package}'; run: pip install 'footsel[train]'")
+
+
+def test_weights_stay_behind_if_they_are_not_wanted(released, tmp_path):
+    """A folder that held them loses them too, and loads all the same."""
+    out = export_run(released.out, tmp_path / "light", parity_maps=2)
+    assert (out / "front.safetensors").is_file()
+    export_run(released.out, out, parity_maps=2, weights=False)
+    assert {path.suffix for path in out.iterdir()} == {".onnx", ".json", ".md", ""}
+    assert ".safetensors" not in (out / "SHA256SUMS").read_text() + (out / "model_card.md").read_text()
+    FootholdSelector.load(out)
