@@ -7,12 +7,21 @@ from pathlib import Path
 import numpy as np
 import onnx
 from numpy.typing import NDArray
-from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
+from onnxruntime.quantization import (
+    CalibrationDataReader,
+    CalibrationMethod,
+    QuantFormat,
+    QuantType,
+    quantize_static,
+)
 from onnxruntime.quantization.shape_inference import quant_pre_process
 
 from footsel.exporting.onnx_file import strip
 
 _BATCH = 20
+#: Share of the activations that the range of a plane covers, in percent. What lies beyond is of cells clearly out
+#: of reach; with it in the range, 8 % of all cells change between feasible and not, without it half a percent.
+_COVERED = 99.9
 
 
 class _Batches(CalibrationDataReader):  # type: ignore[misc]
@@ -31,7 +40,8 @@ class _Batches(CalibrationDataReader):  # type: ignore[misc]
 def quantised(model: onnx.ModelProto, planes: NDArray[np.float32], exact: Collection[str] = ()) -> onnx.ModelProto:
     """The model in 8 bits, its activation ranges taken from running `planes` (n, in_channels, 40, 40) through it.
 
-    exact: names of parts of the network that stay in float32, with all that they depend on.
+    exact: names of parts of the network that stay in float32, with all that they depend on. So does the layer that
+        makes the logits: it is small, and nothing evens out what it rounds.
     """
     with tempfile.TemporaryDirectory() as folder:
         source, prepared, target = (Path(folder) / name for name in ("source.onnx", "prepared.onnx", "target.onnx"))
@@ -46,11 +56,19 @@ def quantised(model: onnx.ModelProto, planes: NDArray[np.float32], exact: Collec
             activation_type=QuantType.QUInt8,
             weight_type=QuantType.QInt8,
             per_channel=True,
-            nodes_to_exclude=_nodes_of(onnx.load(prepared), exact),
+            calibrate_method=CalibrationMethod.Percentile,
+            extra_options={"CalibPercentile": _COVERED},
+            nodes_to_exclude=_excluded(onnx.load(prepared), exact),
         )
         result = onnx.load(target)
     strip(result)
     return result
+
+
+def _excluded(model: onnx.ModelProto, exact: Collection[str]) -> list[str]:
+    """Names of the nodes of the exact parts, and of the last layer."""
+    layers = [node.name for node in model.graph.node if node.op_type in ("Conv", "ConvTranspose")]
+    return [*_nodes_of(model, exact), *layers[-1:]]
 
 
 def _nodes_of(model: onnx.ModelProto, parts: Collection[str]) -> list[str]:
