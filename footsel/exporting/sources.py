@@ -14,6 +14,7 @@ import onnx
 import torch
 
 from footsel.errors import ModelError
+from footsel.exporting.align import aligned
 from footsel.exporting.decoding import without_decoding
 from footsel.exporting.engines import Logits
 from footsel.exporting.onnx_file import strip, to_onnx
@@ -56,7 +57,7 @@ def open_source(folder: Path, pair: str) -> Source:
 def _trained(folder: Path) -> Source:
     network, info = load_network(folder)
     with torch.no_grad():
-        model = to_onnx(simplified(network, network.in_channels), network.in_channels)
+        model = aligned(to_onnx(simplified(network, network.in_channels), network.in_channels))
     return Source(
         info=info,
         weights=released_weights(network.state_dict(), info),

@@ -35,8 +35,9 @@ class Footing(nn.Module):
         self.foot_surface = FootSurface(layout)
         self.drops = Drops(layout.height_range)
         weights = STENCIL[:, 2]
-        slopes = np.stack([[weights, -weights], [weights, weights]]) * LARGEST_DROP / PLANE
-        keep_constant(self, "slopes", slopes.reshape(2, -1, 1, 1))
+        keep_constant(self, "slopes", weights[None] * LARGEST_DROP / PLANE)
+        # What unknown neighbours add to both sums, if all of them are unknown.
+        self._unknown = float(weights.sum()) * LARGEST_DROP / PLANE
         keep_constant(self, "shares", (np.insert(weights, 12, 0.0) / weights.sum()).reshape(1, 1, 5, 5))
         exponent, constant, peaks = _mixture(TerrainCostModel.load())
         keep_constant(self, "exponent", exponent)
@@ -46,9 +47,11 @@ class Footing(nn.Module):
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, 40, 40) depth in [0, 1] and 1 where it is known -> (n, 6, 1600)."""
         with float32():
-            drops = self.drops(self.foot_surface(depth, known), known)
-            counted = functional.conv2d(drops, self.get_buffer("slopes")).flatten(2)
+            drops = self.drops(self.foot_surface(depth, known), known).flatten(2)
             share = functional.conv2d(known, self.get_buffer("shares"), padding=2).flatten(2)
+            weights = self.get_buffer("slopes")
+            sums = torch.cat([weights @ drops, weights @ drops.abs()], dim=1)
+            counted = (sums - (1 - share) * self._unknown) * known.flatten(2)
             slopes = counted / share.clamp(min=NONE_KNOWN)
 
             # Of two readings the worse: missing neighbours make the rest less sure, or are as deep as can be.
@@ -88,35 +91,34 @@ class FootSurface(nn.Module):
 class Drops(nn.Module):
     """Differences in height between a cell and its 24 nearest, the stencil of the terrain cost.
 
-    Outputs in [0, 1], 1 at LARGEST_DROP: 24 by which a neighbour lies lower, 24 by which it lies higher. The signed
-    drop is the first minus the second, the absolute one their sum. An unknown neighbour, also one beyond the map, is
-    neither lower nor higher; an unknown cell has no neighbours.
+    Outputs in [-1, 1], 1 where a neighbour lies LARGEST_DROP lower or more, -1 where it lies as much higher. An unknown
+    neighbour, also one beyond the map, counts as 1, which is easily taken off a sum again. Of unknown cells they mean
+    nothing.
 
     height_range: depth that the input shows as 1, in [m].
     """
 
-    CHANNELS = 48
+    CHANNELS = 24
 
     def __init__(self, height_range: float) -> None:
         super().__init__()
         scale = height_range / LARGEST_DROP
         neighbours = [(i, j) for i in range(5) for j in range(5) if (i, j) != (2, 2)]
         weight = torch.zeros(self.CHANNELS, 2, 5, 5)
-        for index, (i, j) in enumerate(neighbours):
-            for channel, sign in ((index, scale), (24 + index, -scale)):
-                # Depth grows downwards.
-                weight[channel, 0, i, j], weight[channel, 0, 2, 2] = sign, -sign
-                # An unknown cell counts as depth 0; then the bias, which two known cells cancel, keeps the sum below 0.
-                weight[channel, 1, i, j] = weight[channel, 1, 2, 2] = scale
+        for channel, (i, j) in enumerate(neighbours):
+            # Depth grows downwards.
+            weight[channel, 0, i, j], weight[channel, 0, 2, 2] = scale, -scale
+            # The bias, which a known neighbour cancels, is more than any depth of the cell takes off.
+            weight[channel, 1, i, j] = -2 * scale
         keep_constant(self, "weight", weight)
-        keep_constant(self, "bias", np.full(self.CHANNELS, -2 * scale))
+        keep_constant(self, "bias", np.full(self.CHANNELS, 2 * scale))
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 48, h, w)."""
+        """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 24, h, w)."""
         with float32():
             planes = torch.cat([depth * known, known], dim=1)
             weight, bias = self.get_buffer("weight"), self.get_buffer("bias")
-            return functional.conv2d(planes, weight, bias, padding=2).clamp(0, 1)
+            return functional.conv2d(planes, weight, bias, padding=2).clamp(-1, 1)
 
 
 def _mixture(model: TerrainCostModel) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
