@@ -13,6 +13,7 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.control.base_pose import LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
+from footsel.walking.control.limb_clearance import LimbClearance
 from footsel.walking.gait.line import Line
 from footsel.walking.observer import Choice
 
@@ -75,6 +76,7 @@ class StepPlanner:
         self._radius = robot.description.foot_radius
         self._hips = np.array([robot.layout.hips[leg] for leg in LEGS])
         self._places = places()
+        self._limbs = LimbClearance(robot)
         self._last = ORDER[-1]
 
     def plan(self, time: float, elevation_map: ElevationMap, feet: Array, base: BasePose, com: Array) -> Step | NoStep:
@@ -130,7 +132,7 @@ class StepPlanner:
         target = np.array([*nominal, self._likely_height(elevation_map, nominal, feet)])
         touchdown, foothold = None, None
         for _ in range(1 + ASK_AGAIN):
-            answer = self._pose_at_touchdown(feet, base, com, index, target, drop)
+            answer = self._pose_at_touchdown(elevation_map, feet, base, com, index, target, drop)
             if problem := _flaw(answer):
                 if foothold is None:
                     return NoStep(problem)
@@ -147,7 +149,7 @@ class StepPlanner:
         assert touchdown is not None and foothold is not None
         if not self._reaches(touchdown, index, target):
             return NoStep("the foothold is beyond the leg's reach")
-        lift = self._pose_at_lift(feet, base, com, index, touchdown)
+        lift = self._pose_at_lift(elevation_map, feet, base, com, index, touchdown)
         if problem := _flaw(lift):
             return NoStep(problem)
         return Step(leg, foothold, target, lift.pose, touchdown)
@@ -172,7 +174,14 @@ class StepPlanner:
         return foothold
 
     def _pose_at_touchdown(
-        self, feet: Array, base: BasePose, com: Array, index: int, target: Array, drop: float
+        self,
+        elevation_map: ElevationMap,
+        feet: Array,
+        base: BasePose,
+        com: Array,
+        index: int,
+        target: Array,
+        drop: float,
     ) -> PoseAnswer:
         """Over the standing feet, in reach of the target and, if it can be, over the next step's support as well."""
         landed = feet.copy()
@@ -180,19 +189,30 @@ class StepPlanner:
         turn = heading_rotation(self._line.yaw)
         place = (landed - self._stance(drop) @ turn.T).mean(axis=0)
         following = np.delete(landed, LEGS.index(self._after(LEGS[index], 1)), axis=0)
-        return self._solve(place, TILT_SHARE * plane_tilt(landed @ turn), landed, base, com, index, following)
+        tilt = TILT_SHARE * plane_tilt(landed @ turn)
+        return self._solve(elevation_map, place, tilt, landed, base, com, index, following)
 
-    def _pose_at_lift(self, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose) -> PoseAnswer:
+    def _pose_at_lift(
+        self, elevation_map: ElevationMap, feet: Array, base: BasePose, com: Array, index: int, touchdown: BasePose
+    ) -> PoseAnswer:
         """On the way to the pose at touchdown, as far back as the swing has time to go from."""
         back = base.position - touchdown.position
         share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))
         place = touchdown.position + share * back
         ahead = np.array([touchdown.roll, touchdown.pitch])
         tilt = ahead + share * (np.array([base.roll, base.pitch]) - ahead)
-        return self._solve(place, tilt, feet, touchdown, com, index, None)
+        return self._solve(elevation_map, place, tilt, feet, touchdown, com, index, None)
 
     def _solve(
-        self, place: Array, tilt: Array, feet: Array, guess: BasePose, com: Array, index: int, following: Array | None
+        self,
+        elevation_map: ElevationMap,
+        place: Array,
+        tilt: Array,
+        feet: Array,
+        guess: BasePose,
+        com: Array,
+        index: int,
+        following: Array | None,
     ) -> PoseAnswer:
         problem = PoseProblem(
             yaw=self._line.yaw,
@@ -203,6 +223,7 @@ class StepPlanner:
             com=com,
             support=counter_clockwise(np.delete(feet, index, axis=0)[:, :2]),
             next_support=None if following is None else counter_clockwise(following[:, :2]),
+            limbs=lambda pose: self._limbs.at(elevation_map, pose, feet),
         )
         return optimise_base_pose(problem, guess)
 
