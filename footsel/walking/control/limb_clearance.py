@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 #: Balls along a body are at most this far apart. [m]
 SPACING = 0.04
 #: How far limbs should be from the ground. [m]
-DISTANCE = 0.025
+DISTANCE = 0.03
 #: A ball beside an edge is not pushed aside harder than at this slope of its surface.
 STEEPEST = 2.0
 #: Change of a pose from which rates are found. [m], [rad]
@@ -58,34 +58,40 @@ class LimbClearance:
         bodies = [SwingBodies.of(robot, leg, robot.bodies[leg].swing) for leg in LEGS]
         feet = [np.array([*robot.kinematics[leg].shank]) for leg in LEGS]
         balls = [_balls(each, foot) for each, foot in zip(bodies, feet, strict=True)]
-        self._ends = np.cumsum([0, *map(len, balls)])
-        self._balls = np.concatenate(balls)
-        self._legs = np.stack([each.leg for each in bodies])
-        self._axes = np.stack([each.axes for each in bodies])
-        self._hips = np.array([robot.layout.hips[leg] for leg in LEGS])
+        self._legs = (
+            np.array([robot.layout.hips[leg] for leg in LEGS]),
+            np.stack([each.leg for each in bodies]),
+            np.stack([each.axes for each in bodies]),
+            np.concatenate(balls),
+            np.cumsum([0, *map(len, balls)]),
+        )
 
     def at(self, elevation_map: ElevationMap, pose: BasePose, feet: Array) -> Clearance:
         """With the base at a pose and the feet's centres at feet (4, 3), by LEGS, in W, in [m].
 
         Legs out of reach are as long as they can be.
         """
-        least, rates = np.empty((4, LIMBS)), np.zeros((4, LIMBS, 5))
-        corner = elevation_map.position - (np.array(elevation_map.shape) - 1) / 2 * elevation_map.resolution
-        _clearance(
-            np.array(pose.as_list()),
-            np.ascontiguousarray(feet, dtype=np.float64),
-            self._hips,
-            self._legs,
-            self._axes,
-            self._balls,
-            self._ends,
-            elevation_map.elevation,
-            elevation_map.resolution,
-            corner,
-            least,
-            rates,
-        )
+        least, rates = np.empty((4, LIMBS)), np.empty((4, LIMBS, 5))
+        _all_legs(np.array(pose.as_list()), np.ascontiguousarray(feet), self._legs, _ground(elevation_map), least, rates)
         return Clearance(least, rates)
+
+    def of_foot(self, elevation_map: ElevationMap, pose: BasePose, leg: str, feet: Array) -> Array:
+        """(n,) the worst limb of one leg with its foot's centre at each of feet (n, 3), all as in `at`."""
+        worst = np.empty(len(feet))
+        _one_foot_at_many_places(
+            np.array(pose.as_list()),
+            np.ascontiguousarray(feet),
+            LEGS.index(leg),
+            self._legs,
+            _ground(elevation_map),
+            worst,
+        )
+        return worst
+
+
+def _ground(elevation_map: ElevationMap) -> tuple[NDArray[np.float32], float, Array]:
+    corner = elevation_map.position - (np.array(elevation_map.shape) - 1) / 2 * elevation_map.resolution
+    return elevation_map.elevation, elevation_map.resolution, corner
 
 
 def _balls(bodies: SwingBodies, foot: Array) -> Array:
@@ -112,74 +118,92 @@ def _balls(bodies: SwingBodies, foot: Array) -> Array:
 
 
 @compiled
-def _clearance(
+def _all_legs(
     pose: Array,
     feet: Array,
-    hips: Array,
-    legs: Array,
-    axes: Array,
-    balls: Array,
-    ends: NDArray[np.int64],
-    heights: NDArray[np.float32],
-    resolution: float,
-    corner: Array,
+    legs: tuple[Array, Array, Array, Array, NDArray[np.int64]],
+    ground: tuple[NDArray[np.float32], float, Array],
     least: Array,
     rates: Array,
 ) -> None:  # pragma: no cover - compiled
-    """Fill least (4, LIMBS) and rates (4, LIMBS, 5) of a Clearance.
+    """Fill least (4, LIMBS) and rates (4, LIMBS, 5) of a Clearance."""
+    for k in range(4):
+        _one_leg(pose, feet[k], k, legs, ground, least[k], rates[k])
 
-    pose: (6,). legs, axes: of SwingBodies, by LEGS. balls: those of leg k are rows ends[k] to ends[k + 1].
-    corner: (2,) world xy of the centre of cell (0, 0), in [m].
+
+@compiled
+def _one_foot_at_many_places(
+    pose: Array,
+    feet: Array,
+    leg: int,
+    legs: tuple[Array, Array, Array, Array, NDArray[np.int64]],
+    ground: tuple[NDArray[np.float32], float, Array],
+    worst: Array,
+) -> None:  # pragma: no cover - compiled
+    """Fill worst (n,): of the limbs of one leg with its foot at each of feet (n, 3)."""
+    least, rates = np.empty(LIMBS), np.empty((LIMBS, 5))
+    for row in range(len(feet)):
+        _one_leg(pose, feet[row], leg, legs, ground, least, rates)
+        worst[row] = least.min()
+
+
+@compiled
+def _one_leg(
+    pose: Array,
+    foot: Array,
+    k: int,
+    legs: tuple[Array, Array, Array, Array, NDArray[np.int64]],
+    ground: tuple[NDArray[np.float32], float, Array],
+    least: Array,
+    rates: Array,
+) -> None:  # pragma: no cover - compiled
+    """Fill least (LIMBS,) and rates (LIMBS, 5) of leg k.
+
+    pose: (6,). legs: hips, parameters and axes as in SwingBodies, balls and where each leg's balls begin and end.
+    ground: heights, side of a cell and (2,) world xy of the centre of cell (0, 0), in [m].
     """
-    turn = np.empty((3, 3))
+    hips, parameters, axes, balls, ends = legs
+    heights, resolution, corner = ground
     rotations, origins = np.empty((2, 3, 3)), np.empty((2, 3))
     hip, centre = np.empty(3), np.empty(3)
-    nearest = np.empty((LIMBS, 3))
-    worst = np.empty(LIMBS, dtype=np.int64)
-    moved = pose.copy()
-    for k in range(4):
-        _place_leg(pose, feet[k], hips[k], legs[k], axes[k], turn, hip, rotations, origins)
-        for limb in range(LIMBS):
-            least[k, limb], worst[limb] = np.inf, -1
-        for b in range(ends[k], ends[k + 1]):
-            limb = int(balls[b, 0])
-            _place_ball(balls[b], hip, rotations, origins, centre)
-            radius = balls[b, 4] + DISTANCE
-            first_i = max(int(np.ceil((centre[0] - radius - corner[0]) / resolution)), 0)
-            last_i = min(int(np.floor((centre[0] + radius - corner[0]) / resolution)), heights.shape[0] - 1)
-            first_j = max(int(np.ceil((centre[1] - radius - corner[1]) / resolution)), 0)
-            last_j = min(int(np.floor((centre[1] + radius - corner[1]) / resolution)), heights.shape[1] - 1)
-            for i in range(first_i, last_i + 1):
-                dx = corner[0] + i * resolution - centre[0]
-                for j in range(first_j, last_j + 1):
-                    dy = corner[1] + j * resolution - centre[1]
-                    square = radius * radius - dx * dx - dy * dy
-                    if square <= 0.0 or np.isnan(heights[i, j]):
-                        continue
-                    down = np.sqrt(square)
-                    clear = centre[2] - down - heights[i, j]
-                    if clear < least[k, limb]:
-                        least[k, limb], worst[limb] = clear, b
-                        # The slope of the ball's surface there: how its height changes as it moves aside.
-                        flat = max(1.0, np.sqrt(dx * dx + dy * dy) / (STEEPEST * down))
-                        nearest[limb, 0], nearest[limb, 1], nearest[limb, 2] = -dx / down / flat, -dy / down / flat, 1.0
-        before = np.empty((LIMBS, 3))
-        for limb in range(LIMBS):
-            if worst[limb] >= 0:
-                _place_ball(balls[worst[limb]], hip, rotations, origins, centre)
-                before[limb] = centre
-        for axis in range(5):
-            moved[axis] += SHIFT
-            _place_leg(moved, feet[k], hips[k], legs[k], axes[k], turn, hip, rotations, origins)
-            moved[axis] = pose[axis]
-            for limb in range(LIMBS):
-                if worst[limb] < 0:
+    slope, before = np.zeros((LIMBS, 3)), np.zeros((LIMBS, 3))
+    worst = np.full(LIMBS, -1)
+    least[:], rates[:] = np.inf, 0.0
+    _place_leg(pose, foot, hips[k], parameters[k], axes[k], hip, rotations, origins)
+    for b in range(ends[k], ends[k + 1]):
+        limb = int(balls[b, 0])
+        _place_ball(balls[b], hip, rotations, origins, centre)
+        radius = balls[b, 4] + DISTANCE
+        first_i = max(int(np.ceil((centre[0] - radius - corner[0]) / resolution)), 0)
+        last_i = min(int(np.floor((centre[0] + radius - corner[0]) / resolution)), heights.shape[0] - 1)
+        first_j = max(int(np.ceil((centre[1] - radius - corner[1]) / resolution)), 0)
+        last_j = min(int(np.floor((centre[1] + radius - corner[1]) / resolution)), heights.shape[1] - 1)
+        for i in range(first_i, last_i + 1):
+            dx = corner[0] + i * resolution - centre[0]
+            for j in range(first_j, last_j + 1):
+                dy = corner[1] + j * resolution - centre[1]
+                square = radius * radius - dx * dx - dy * dy
+                if square <= 0.0 or np.isnan(heights[i, j]):
                     continue
-                _place_ball(balls[worst[limb]], hip, rotations, origins, centre)
-                rate = 0.0
-                for i in range(3):
-                    rate += nearest[limb, i] * (centre[i] - before[limb, i]) / SHIFT
-                rates[k, limb, axis] = rate
+                down = np.sqrt(square)
+                clear = centre[2] - down - heights[i, j]
+                if clear < least[limb]:
+                    least[limb], worst[limb] = clear, b
+                    before[limb] = centre
+                    # How the height of the ball's surface over the cell changes as the ball moves aside.
+                    share = max(down, np.sqrt(dx * dx + dy * dy) / STEEPEST)
+                    slope[limb, 0], slope[limb, 1], slope[limb, 2] = -dx / share, -dy / share, 1.0
+    moved = pose.copy()
+    for axis in range(5):
+        moved[axis] += SHIFT
+        _place_leg(moved, foot, hips[k], parameters[k], axes[k], hip, rotations, origins)
+        moved[axis] = pose[axis]
+        for limb in range(LIMBS):
+            if worst[limb] < 0:
+                continue
+            _place_ball(balls[worst[limb]], hip, rotations, origins, centre)
+            for i in range(3):
+                rates[limb, axis] += slope[limb, i] * (centre[i] - before[limb, i]) / SHIFT
 
 
 @compiled
@@ -189,7 +213,6 @@ def _place_leg(
     hip_in_base: Array,
     leg: Array,
     axes: Array,
-    turn: Array,
     hip: Array,
     rotations: Array,
     origins: Array,
@@ -203,6 +226,7 @@ def _place_leg(
         np.cos(pose[5]),
         np.sin(pose[5]),
     )
+    turn = np.empty((3, 3))
     turn[0, 0], turn[0, 1], turn[0, 2] = cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
     turn[1, 0], turn[1, 1], turn[1, 2] = sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
     turn[2, 0], turn[2, 1], turn[2, 2] = -sp, cp * sr, cp * cr

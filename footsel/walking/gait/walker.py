@@ -1,6 +1,7 @@
 """The walker: shifts, swings and sets down, tick by tick."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from enum import Enum
 from math import cos, sin
 
@@ -46,6 +47,8 @@ TOUCHDOWN_FORCE = 2.0
 TOUCHDOWN_SPEED = 0.15
 #: No ground is felt until a foot is so far below its foothold: it goes back to where it came from. [m]
 MISSING_DEPTH = 0.10
+#: Nor does a leg get any longer in search of ground, hip point to foot: stretched it is 0.564 m long. [m]
+STRETCHED_LEG = 0.552
 
 
 class Phase(Enum):
@@ -75,6 +78,7 @@ class Walker:
     ) -> None:
         self._dynamics = Dynamics(robot)
         self._planner = StepPlanner(robot, selector, line, chosen)
+        self._hips = np.array([robot.layout.hips[leg] for leg in LEGS])
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
         self.phase = Phase.PAUSE
         self.step: Step | None = None
@@ -152,7 +156,10 @@ class Walker:
         duration = SHORTEST_SHIFT + distance / SHIFT_SPEED
         goal, touchdown = np.array(answer.lift.as_list()), np.array(answer.touchdown.as_list())
         self._swing = self._planned_swing(time + duration, self.motion.feet[LEGS.index(answer.leg)], answer.goal)
-        self._move_base(time, duration, goal, (touchdown - goal) / (self._swing.end - time - duration))
+        # It goes on along the ground alone: a base that is to rise later would dip before.
+        speed = np.zeros(6)
+        speed[:2] = (touchdown - goal)[:2] / (self._swing.end - time - duration)
+        self._move_base(time, duration, goal, speed)
         self.phase, self._until = Phase.SHIFT, time + duration
 
     def _lift(self, state: RobotState) -> None:
@@ -178,15 +185,17 @@ class Walker:
             self._normals[index] = ground_normal(self._map(), self.motion.feet[index], self._radius)
             self.phase = Phase.SHIFT
             self._plan(state)
-        elif time > self._swing.end and self._swing.at(time)[0][2] < self.step.goal[2] - MISSING_DEPTH:
-            self.step = Step(
-                self.step.leg,
-                self._origin - [0, 0, self._radius],
-                self._origin,
-                self.step.touchdown,
-                self.step.touchdown,
-            )
+        elif time > self._swing.end and (
+            self._swing.at(time)[0][2] < self.step.goal[2] - MISSING_DEPTH or self._stretched(state, index)
+        ):
+            back = self._origin - [0, 0, self._radius]
+            self.step = replace(self.step, foothold=back, goal=self._origin, lift=self.step.touchdown)
             self._swing = self._planned_swing(time, self.motion.feet[index], self._origin)
+
+    def _stretched(self, state: RobotState, index: int) -> bool:
+        """Whether a leg is so long that its knee could turn over."""
+        hip = state.base[:3, 3] + state.base[:3, :3] @ self._hips[index]
+        return length((self.motion.feet[index] - hip).tolist()) > STRETCHED_LEG
 
     def _stop(self, time: float, reason: str) -> None:
         self.phase, self.reason, self._until = Phase.STOPPED, reason, time + PAUSE
