@@ -15,13 +15,14 @@ import quadprog
 from numpy.typing import NDArray
 
 from footsel.footholds import BasePose
+from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import Clearance
 
 Array = NDArray[np.float64]
 
 #: The centre of mass stays at least this far inside the support polygon. [m]
 STABILITY_MARGIN = 0.055
-#: From the hip point to the foot's centre: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
+#: Within the leg's plane: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
 LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
 #: The base tilts no further. [rad]
 STEEPEST = 0.4
@@ -30,7 +31,8 @@ STEEPEST = 0.4
 COMFORTABLE_LEG = 0.46
 #: What a radian off the best tilt costs beside a metre off the best place, both squared. [m^2 / rad^2]
 TILT_WEIGHT = 0.25
-#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg, of clear limbs.
+#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg, of limbs that
+#: stay clear of the ground.
 BOUND_WEIGHT, NEXT_WEIGHT, COMFORT_WEIGHT, LIMB_WEIGHT = 2.5e3, 8.0, 2.0, 500.0
 #: Slacks of the bounds: of support, next support and reach, and two for each leg, of comfort and of its limbs.
 SUPPORT, NEXT, REACH, COMFORT, LIMBS = 0, 1, 2, slice(3, 7), slice(7, 11)
@@ -47,8 +49,8 @@ class PoseProblem:
     """What the base has to meet.
 
     yaw: of the base, in [rad]. place: (3,) where the base would best be, in W, in [m]. tilt: (2,) its best roll and
-    pitch, in [rad]. hips: (4, 3) hip points in the base frame, in [m]. feet: (4, 3) foot centres that the legs have to
-    reach, by LEGS, in W, in [m]. com: (3,) centre of mass in the base frame, in [m].
+    pitch, in [rad]. legs: how long they are. feet: (4, 3) foot centres that they have to reach, by LEGS, in W, in [m].
+    com: (3,) centre of mass in the base frame, in [m].
     support: (k, 2) corners, counter-clockwise, that the centre of mass lies over.
     next_support: the same of the step to come: met as far as `support` and `reach` allow.
     limbs: how clear of the ground thighs and shanks are at a pose, with the feet where they are.
@@ -58,7 +60,7 @@ class PoseProblem:
     yaw: float
     place: Array
     tilt: Array
-    hips: Array
+    legs: LegLength
     feet: Array
     com: Array
     support: Array
@@ -102,7 +104,7 @@ def inward_edges(corners: Array) -> tuple[Array, Array]:
 
 def _step(problem: PoseProblem, values: Array) -> Array:
     """(5,) change that solves the problem linearised at `values`."""
-    points = np.concatenate([problem.com[None], problem.hips])
+    points = np.concatenate([problem.com[None], problem.legs.hips])
     moved, jacobians = _move(problem.yaw, values, points)
     weights = np.empty(SLACKS)
     weights[[SUPPORT, REACH]], weights[NEXT] = BOUND_WEIGHT, NEXT_WEIGHT
@@ -125,7 +127,7 @@ def _step(problem: PoseProblem, values: Array) -> Array:
                 bound(normal @ jacobians[0][:2], slack, problem.margin + offset - normal @ moved[0][:2])
     for k, foot in enumerate(problem.feet):
         leg = moved[1 + k] - foot
-        length = float(np.linalg.norm(leg))
+        length = float(problem.legs.between(moved[1 + k], foot))
         row = leg / length @ jacobians[1 + k]
         bound(-row, REACH, length - LONGEST_LEG)
         bound(-row, COMFORT.start + k, length - COMFORTABLE_LEG)
@@ -152,11 +154,11 @@ def _pose(problem: PoseProblem, values: Array) -> BasePose:
 
 
 def _quality(problem: PoseProblem, values: Array) -> tuple[float, float]:
-    points = np.concatenate([problem.com[None], problem.hips])
+    points = np.concatenate([problem.com[None], problem.legs.hips])
     moved, _ = _move(problem.yaw, values, points)
     normals, offsets = inward_edges(problem.support)
     margin = float((normals @ moved[0][:2] - offsets).min())
-    lengths = np.linalg.norm(moved[1:] - problem.feet, axis=1)
+    lengths = problem.legs.between(moved[1:], problem.feet)
     return margin, float(np.maximum(lengths - LONGEST_LEG, SHORTEST_LEG - lengths).max())
 
 

@@ -45,6 +45,12 @@ class Clearance:
     least: Array
     rates: Array
 
+    def worse(self, other: "Clearance") -> "Clearance":
+        """Limb by limb the one that is nearer to the ground."""
+        nearer = other.least < self.least
+        rates = np.where(nearer[..., None], other.rates, self.rates)
+        return Clearance(np.minimum(self.least, other.least), rates)
+
     @property
     def worst(self) -> float:
         """Of all limbs, in [m]."""
@@ -72,20 +78,15 @@ class LimbClearance:
         Legs out of reach are as long as they can be.
         """
         least, rates = np.empty((4, LIMBS)), np.empty((4, LIMBS, 5))
-        _all_legs(np.array(pose.as_list()), np.ascontiguousarray(feet), self._legs, _ground(elevation_map), least, rates)
+        values, ground = np.array(pose.as_list()), _ground(elevation_map)
+        _all_legs(values, np.ascontiguousarray(feet), self._legs, ground, least, rates)
         return Clearance(least, rates)
 
     def of_foot(self, elevation_map: ElevationMap, pose: BasePose, leg: str, feet: Array) -> Array:
         """(n,) the worst limb of one leg with its foot's centre at each of feet (n, 3), all as in `at`."""
         worst = np.empty(len(feet))
-        _one_foot_at_many_places(
-            np.array(pose.as_list()),
-            np.ascontiguousarray(feet),
-            LEGS.index(leg),
-            self._legs,
-            _ground(elevation_map),
-            worst,
-        )
+        values, ground = np.array(pose.as_list()), _ground(elevation_map)
+        _one_foot_at_many_places(values, np.ascontiguousarray(feet), LEGS.index(leg), self._legs, ground, worst)
         return worst
 
 

@@ -14,6 +14,7 @@ from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.poses import TILT_SHARE, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import HEIGHT, places
+from footsel.walking.gait.swing import plan_swing
 from footsel.walking.observer import Choice
 
 __all__ = ["HEIGHT", "ORDER", "STRIDE", "TILT_SHARE", "NoStep", "Step", "StepPlanner"]
@@ -26,12 +27,16 @@ ORDER = ("LH", "LF", "RH", "RF")
 STRIDE = 0.28
 #: Tried in turn until a step gains enough and keeps all limbs clear: share of the stride, how much lower the base is
 #: [m]. The later ones are for a leg that has no such step at all.
-VARIANTS = ((1.0, 0.0), (1.25, 0.0), (1.0, 0.06), (0.6, 0.0), (0.6, 0.06), (0.25, 0.06), (1.5, 0.06))
+VARIANTS = (
+    *((1.0, 0.0), (1.25, 0.0), (1.0, 0.06), (1.0, -0.05), (0.6, 0.0)),
+    *((0.6, -0.05), (0.6, 0.06), (0.25, 0.06), (1.5, 0.06)),
+)
 LAST_FOR_GAIN = 2
 #: How far along the line a foot has to get for its swing to be worth it: at its turn, and if no leg gets that far. [m]
 ENOUGH_GAIN, LEAST_GAIN = 0.08, 0.015
-#: A step is taken at once if no limb lacks more of its distance to the ground on the way. [m]
-SMALL_LACK = 0.015
+#: A step is taken at once if no limb lacks more of its distance to the ground on the way, and never if one lacks more
+#: than all of it. [m]
+SMALL_LACK, LARGEST_LACK = 0.02, 0.04
 #: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
 #: the pose for its own choice, and from which difference on. [m], [rad]
 ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
@@ -74,6 +79,7 @@ class StepPlanner:
     def __init__(self, robot: Robot, selector: Selector, line: Line, chosen: Callable[[Choice], None]) -> None:
         self._selector, self._line, self._chosen = selector, line, chosen
         self._radius = robot.description.foot_radius
+        self._to_centre = np.array([0.0, 0.0, self._radius])
         self._places = places()
         self._poses = StepPoses(robot, line.yaw)
         self._last = ORDER[-1]
@@ -98,8 +104,9 @@ class StepPlanner:
                 if gain >= ENOUGH_GAIN and clear:
                     self._last = leg
                     return step
-                if gain > LEAST_GAIN and (best is None or (clear, gain) > best[0]):
-                    best = (clear, gain), step
+                rank = clear, gain if clear else step.clearance
+                if gain > LEAST_GAIN and (best is None or rank > best[0]):
+                    best = rank, step
                 if clear and number >= LAST_FOR_GAIN:
                     break
         if best is not None:
@@ -131,14 +138,16 @@ class StepPlanner:
                     return NoStep(choice.reason or "no foothold")
                 break
             touchdown, foothold = answer.pose, self._lasting(now, leg, answer.pose, choice)
-            target = foothold + [0.0, 0.0, self._radius]
+            target = foothold + self._to_centre
         assert touchdown is not None and foothold is not None
         if not self._poses.reaches(touchdown, leg, target):
             return NoStep("the foothold is beyond the leg's reach")
-        lift = self._poses.at_lift(now, leg, touchdown)
+        swing = plan_swing(now.elevation_map, time, now.feet[LEGS.index(leg)], target, self._radius)
+        lift, clearance = self._poses.at_lift(now, leg, touchdown, swing)
         if problem := flaw(lift):
             return NoStep(problem)
-        clearance = self._poses.clearance(now, leg, lift.pose, touchdown, target)
+        if clearance < -LARGEST_LACK:
+            return NoStep("a thigh or a shank would touch the ground on the way")
         return Step(leg, foothold, target, lift.pose, touchdown, clearance)
 
     def _nominal(self, feet: Array, index: int, stride: float) -> Array:
@@ -165,7 +174,7 @@ class StepPlanner:
         assert choice.position is not None and choice.final_cost is not None
         places = np.array([choice.position, *(each.position for each in choice.alternatives)])
         costs = np.array([choice.final_cost, *(each.final_cost for each in choice.alternatives)])
-        lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, places + [0.0, 0.0, self._radius])
+        lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, places + self._to_centre)
         return np.asarray(places[np.argmin(costs + LACK_WEIGHT * lack)])
 
 

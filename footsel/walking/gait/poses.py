@@ -11,8 +11,10 @@ from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.terrain import ElevationMap
 from footsel.walking.control.base_pose import LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
-from footsel.walking.control.limb_clearance import LimbClearance
+from footsel.walking.control.leg_length import LegLength
+from footsel.walking.control.limb_clearance import Clearance, LimbClearance
 from footsel.walking.gait.stance import HEIGHT, counter_clockwise, places, plane_tilt
+from footsel.walking.gait.swing import Swing
 
 Array = NDArray[np.float64]
 
@@ -22,6 +24,8 @@ TILT_SHARE = 0.8
 SWAY = 0.05
 #: How far the base gets along the line while a foot stands, from its landing until it lifts. [m]
 STANCE_ADVANCE = 0.22
+#: When during a swing limbs are looked at, as shares of its time.
+SWING_SHARES = np.linspace(0.05, 1.0, 20)
 #: A pose is good enough for a step if the base is this far inside the support, and legs are too long by no more. [m]
 LEAST_MARGIN, MOST_OVERREACH = 0.025, 0.012
 
@@ -45,7 +49,7 @@ class StepPoses:
 
     def __init__(self, robot: Robot, yaw: float) -> None:
         self._yaw, self._turn = yaw, heading_rotation(yaw)
-        self._hips = np.array([robot.layout.hips[leg] for leg in LEGS])
+        self._legs = LegLength(robot)
         self._stance = np.column_stack([places(), np.full(4, robot.description.foot_radius - HEIGHT)])
         self._limbs = LimbClearance(robot)
 
@@ -61,24 +65,45 @@ class StepPoses:
         following = counter_clockwise(np.delete(landed, LEGS.index(next_leg), axis=0)[:, :2])
         return self._solve(now, place, tilt, landed, now.base, leg, following)
 
-    def at_lift(self, now: Situation, leg: str, touchdown: BasePose) -> PoseAnswer:
-        """On the way to the pose at touchdown, as far back as the swing has time to go from."""
+    def at_lift(self, now: Situation, leg: str, touchdown: BasePose, swing: Swing) -> tuple[PoseAnswer, float]:
+        """On the way to the pose at touchdown, as far back as the swing has time to go from; and how clear limbs are
+        meanwhile, as in Clearance, in [m].
+
+        A knee that would come too near in the swing counts as well.
+        """
         back = now.base.position - touchdown.position
         share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))
         ahead = np.array([touchdown.roll, touchdown.pitch])
         tilt = ahead + share * (np.array([now.base.roll, now.base.pitch]) - ahead)
-        return self._solve(now, touchdown.position + share * back, tilt, now.feet, touchdown, leg, None)
+        place = touchdown.position + share * back
+        answer = self._solve(now, place, tilt, now.feet, touchdown, leg)
+        clearance, narrowest = self._clearance(now, leg, answer.pose, touchdown, swing)
+        if clearance < 0:
+            others = _landed(now.feet, leg, narrowest)
+            other = self._solve(now, place, tilt, now.feet, answer.pose, leg, others=others)
+            better, _ = self._clearance(now, leg, other.pose, touchdown, swing)
+            if better > clearance and not flaw(other):
+                return other, better
+        return answer, clearance
 
-    def clearance(self, now: Situation, leg: str, lift: BasePose, touchdown: BasePose, target: Array) -> float:
-        """Of the limb nearest to the ground, as in Clearance, half way to `lift`, there, half way on and at the end."""
-        map_, landed = now.elevation_map, _landed(now.feet, leg, target)
-        on_the_way = self._limbs.at(map_, _half_way(lift, touchdown), now.feet).least
-        return min(
-            self._limbs.at(map_, _half_way(now.base, lift), now.feet).worst,
-            self._limbs.at(map_, lift, now.feet).worst,
-            float(np.delete(on_the_way, LEGS.index(leg), axis=0).min()),
-            self._limbs.at(map_, touchdown, landed).worst,
-        )
+    def _clearance(
+        self, now: Situation, leg: str, lift: BasePose, touchdown: BasePose, swing: Swing
+    ) -> tuple[float, Array]:
+        """Of the limb nearest to the ground on the way to `lift` and from there to `touchdown`, and where the swinging
+        foot (3,) is when it is narrowest.
+        """
+        map_ = now.elevation_map
+        shift = min(self._limbs.at(map_, _between(now.base, lift, share), now.feet).worst for share in (0.5, 1.0))
+        times = swing.start + SWING_SHARES * (swing.end - swing.start)
+        feet = [swing.at(time)[0] for time in times.tolist()]
+        # As far as a motion from rest to rest has come.
+        gone = SWING_SHARES**3 * (10 - 15 * SWING_SHARES + 6 * SWING_SHARES**2)
+        poses = [_between(lift, touchdown, share) for share in gone.tolist()]
+        clear = [
+            self._limbs.at(map_, pose, _landed(now.feet, leg, foot)).worst
+            for pose, foot in zip(poses, feet, strict=True)
+        ]
+        return min(shift, *clear), feet[int(np.argmin(clear))]
 
     def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
         """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
@@ -90,29 +115,44 @@ class StepPoses:
         x, y, z = (touchdown.position + way).tolist()
         later = BasePose(x, y, z, touchdown.roll, touchdown.pitch, touchdown.yaw)
         clear = self._limbs.of_foot(now.elevation_map, later, leg, targets)
-        lengths = np.linalg.norm(self._hip(later, leg) - targets, axis=1)
-        return np.maximum(-clear, 0.0) + np.maximum(lengths - LONGEST_LEG, 0.0)
+        lengths = self._length(later, leg, targets)
+        return np.asarray(np.maximum(-clear, 0.0) + np.maximum(lengths - LONGEST_LEG, 0.0))
 
     def reaches(self, pose: BasePose, leg: str, target: Array) -> bool:
         """Whether a leg is long enough for its foot's centre to be at target (3,)."""
-        return bool(np.linalg.norm(self._hip(pose, leg) - target) <= LONGEST_LEG + MOST_OVERREACH)
+        return bool(self._length(pose, leg, target) <= LONGEST_LEG + MOST_OVERREACH)
 
-    def _hip(self, pose: BasePose, leg: str) -> Array:
-        return np.asarray(pose.position + pose.rotation() @ self._hips[LEGS.index(leg)])
+    def _length(self, pose: BasePose, leg: str, targets: Array) -> Array:
+        hip = pose.position + pose.rotation() @ self._legs.hips[LEGS.index(leg)]
+        return self._legs.between(hip, targets)
 
     def _solve(
-        self, now: Situation, place: Array, tilt: Array, feet: Array, guess: BasePose, leg: str, following: Array | None
+        self,
+        now: Situation,
+        place: Array,
+        tilt: Array,
+        feet: Array,
+        guess: BasePose,
+        leg: str,
+        following: Array | None = None,
+        others: Array | None = None,
     ) -> PoseAnswer:
+        """others: (4, 3) places of the feet at which limbs have to be clear as well."""
+
+        def limbs(pose: BasePose) -> Clearance:
+            clearance = self._limbs.at(now.elevation_map, pose, feet)
+            return clearance if others is None else clearance.worse(self._limbs.at(now.elevation_map, pose, others))
+
         problem = PoseProblem(
             yaw=self._yaw,
             place=place,
             tilt=tilt,
-            hips=self._hips,
+            legs=self._legs,
             feet=feet,
             com=now.com,
             support=counter_clockwise(np.delete(feet, LEGS.index(leg), axis=0)[:, :2]),
             next_support=following,
-            limbs=lambda pose: self._limbs.at(now.elevation_map, pose, feet),
+            limbs=limbs,
         )
         return optimise_base_pose(problem, guess)
 
@@ -127,13 +167,13 @@ def flaw(answer: PoseAnswer) -> str:
 
 
 def _landed(feet: Array, leg: str, target: Array) -> Array:
-    landed = feet.copy()
+    landed = np.array(feet)
     landed[LEGS.index(leg)] = target
     return landed
 
 
-def _half_way(first: BasePose, last: BasePose) -> BasePose:
-    turn = np.angle(np.exp(1j * (last.yaw - first.yaw)))
-    middle = (np.array(first.as_list()) + np.array(last.as_list())) / 2
-    x, y, z, roll, pitch, _ = middle.tolist()
-    return BasePose(x, y, z, roll, pitch, float(first.yaw + turn / 2))
+def _between(first: BasePose, last: BasePose, share: float) -> BasePose:
+    way = np.array(last.as_list()) - np.array(first.as_list())
+    way[5] = np.angle(np.exp(1j * way[5]))
+    x, y, z, roll, pitch, yaw = (np.array(first.as_list()) + share * way).tolist()
+    return BasePose(x, y, z, roll, pitch, yaw)

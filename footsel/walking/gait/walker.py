@@ -15,14 +15,17 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.control.dynamics import Dynamics, Motion
+from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.quintic import Quintic
 from footsel.walking.control.whole_body import Task, whole_body_effort
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.planner import NoStep, Step, StepPlanner
-from footsel.walking.gait.swing import Swing, plan_swing
+from footsel.walking.gait.swing import TOUCHDOWN_SPEED, Swing, plan_swing
 from footsel.walking.observer import Choice
 from footsel.walking.state import RobotState
 from footsel.walking.vectors import length
+
+__all__ = ["TOUCHDOWN_SPEED", "Phase", "Walker", "ground_normal"]
 
 Array = NDArray[np.float64]
 
@@ -43,12 +46,10 @@ LARGEST_FORCE, LEAST_FORCE = 450.0, 15.0
 LEAST_SHARE = 0.02
 #: A foot has landed once the ground pushes it so hard; a leg that is let down weighs no more than a few newtons. [N]
 TOUCHDOWN_FORCE = 2.0
-#: How fast a foot comes down, and sinks on if the ground is late. [m/s]
-TOUCHDOWN_SPEED = 0.15
 #: No ground is felt until a foot is so far below its foothold: it goes back to where it came from. [m]
 MISSING_DEPTH = 0.10
-#: Nor does a leg get any longer in search of ground, hip point to foot: stretched it is 0.564 m long. [m]
-STRETCHED_LEG = 0.552
+#: Nor does a leg get any longer in search of ground: stretched it is 0.564 m long. [m]
+STRETCHED_LEG = 0.555
 
 
 class Phase(Enum):
@@ -78,7 +79,7 @@ class Walker:
     ) -> None:
         self._dynamics = Dynamics(robot)
         self._planner = StepPlanner(robot, selector, line, chosen)
-        self._hips = np.array([robot.layout.hips[leg] for leg in LEGS])
+        self._legs = LegLength(robot)
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
         self.phase = Phase.PAUSE
         self.step: Step | None = None
@@ -171,7 +172,7 @@ class Walker:
         self.phase = Phase.SWING
 
     def _planned_swing(self, time: float, foot: Array, goal: Array) -> Swing:
-        return plan_swing(self._map(), time, foot, goal, self._radius, TOUCHDOWN_SPEED)
+        return plan_swing(self._map(), time, foot, goal, self._radius)
 
     def _watch_swing(self, state: RobotState) -> None:
         """Touchdown, early or late, or no ground at all."""
@@ -194,8 +195,8 @@ class Walker:
 
     def _stretched(self, state: RobotState, index: int) -> bool:
         """Whether a leg is so long that its knee could turn over."""
-        hip = state.base[:3, 3] + state.base[:3, :3] @ self._hips[index]
-        return length((self.motion.feet[index] - hip).tolist()) > STRETCHED_LEG
+        hip = state.base[:3, 3] + state.base[:3, :3] @ self._legs.hips[index]
+        return bool(self._legs.between(hip, self.motion.feet[index]) > STRETCHED_LEG)
 
     def _stop(self, time: float, reason: str) -> None:
         self.phase, self.reason, self._until = Phase.STOPPED, reason, time + PAUSE

@@ -6,20 +6,21 @@ import numpy as np
 import pytest
 
 from footsel.footholds import BasePose
-from footsel.legs import LEGS
 from footsel.robot import load_robot
 from footsel.walking.control import base_pose
 from footsel.walking.control.base_pose import STABILITY_MARGIN, PoseProblem, inward_edges, optimise_base_pose
-from footsel.walking.gait.planner import counter_clockwise, places
+from footsel.walking.control.leg_length import LegLength
+from footsel.walking.gait.stance import counter_clockwise, places
 
-HIPS = np.array([load_robot("anymal_b").layout.hips[leg] for leg in LEGS])
+LENGTHS = LegLength(load_robot("anymal_b"))
+HIPS = LENGTHS.hips
 FEET = np.column_stack([places(), np.full(4, 0.031)])
 
 
 def problem(feet=FEET, lifted=0, yaw=0.0):
     support = counter_clockwise(np.delete(feet, lifted, axis=0)[:, :2])
     place = np.array([*feet[:, :2].mean(axis=0), 0.45])
-    return PoseProblem(yaw, place, np.zeros(2), HIPS, feet, np.array([0.0, 0.0, 0.02]), support)
+    return PoseProblem(yaw, place, np.zeros(2), LENGTHS, feet, np.array([0.0, 0.0, 0.02]), support)
 
 
 @pytest.mark.parametrize("lifted", range(4))
@@ -40,7 +41,7 @@ def test_no_pose_near_it_is_better():
         points, _ = base_pose._move(0.0, pose, np.concatenate([asked.com[None], HIPS]))
         normals, offsets = inward_edges(asked.support)
         short = max(0.0, STABILITY_MARGIN - float((normals @ points[0][:2] - offsets).min()))
-        lengths = np.linalg.norm(points[1:] - FEET, axis=1)
+        lengths = LENGTHS.between(points[1:], FEET)
         reach = max(0.0, float((lengths - base_pose.LONGEST_LEG).max()))
         comfort = np.maximum(lengths - base_pose.COMFORTABLE_LEG, 0)
         bounds = base_pose.BOUND_WEIGHT * (short**2 + reach**2)

@@ -10,17 +10,9 @@ from footsel.robot import load_robot
 from footsel.selectors import make_selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.planner import (
-    LEAST_MARGIN,
-    ORDER,
-    STRIDE,
-    NoStep,
-    Step,
-    StepPlanner,
-    counter_clockwise,
-    places,
-    plane_tilt,
-)
+from footsel.walking.gait.planner import ORDER, STRIDE, NoStep, Step, StepPlanner
+from footsel.walking.gait.poses import LEAST_MARGIN
+from footsel.walking.gait.stance import counter_clockwise, places, plane_tilt
 from footsel.walking.gait.walker import ground_normal
 
 ROBOT = load_robot("anymal_b")
