@@ -12,7 +12,7 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.poses import TILT_SHARE, Situation, StepPoses, flaw
+from footsel.walking.gait.poses import TILT_SHARE, Lift, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import HEIGHT, places
 from footsel.walking.gait.swing import plan_swing
 from footsel.walking.observer import Choice
@@ -51,16 +51,14 @@ _AROUND = np.stack(np.meshgrid(*[np.linspace(-NEAR, NEAR, 7)] * 2, indexing="ij"
 @dataclass(frozen=True, eq=False)
 class Step:
     """leg: that swings. foothold: (3,) contact point. goal: (3,) the foot's centre there, in W, in [m].
-    lift, touchdown: pose of the base when the swing begins and when it ends.
-    clearance: of the limb that comes nearest to the ground meanwhile, as in Clearance, in [m].
+    lift: where the base is when the swing begins, and how it goes on. touchdown: its pose when the swing ends.
     """
 
     leg: str
     foothold: Array
     goal: Array
-    lift: BasePose
+    lift: Lift
     touchdown: BasePose
-    clearance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +98,11 @@ class StepPlanner:
                 if isinstance(step, NoStep):
                     reasons.setdefault(leg, step.reason)
                     continue
-                gain, clear = self._gain(feet, step), step.clearance >= -SMALL_LACK
+                gain, clear = self._gain(feet, step), step.lift.clearance >= -SMALL_LACK
                 if gain >= ENOUGH_GAIN and clear:
                     self._last = leg
                     return step
-                rank = clear, gain if clear else step.clearance
+                rank = clear, gain if clear else step.lift.clearance
                 if gain > LEAST_GAIN and (best is None or rank > best[0]):
                     best = rank, step
                 if clear and number >= LAST_FOR_GAIN:
@@ -143,12 +141,12 @@ class StepPlanner:
         if not self._poses.reaches(touchdown, leg, target):
             return NoStep("the foothold is beyond the leg's reach")
         swing = plan_swing(now.elevation_map, time, now.feet[LEGS.index(leg)], target, self._radius)
-        lift, clearance = self._poses.at_lift(now, leg, touchdown, swing)
-        if problem := flaw(lift):
+        lift = self._poses.at_lift(now, leg, touchdown, swing)
+        if problem := flaw(lift.answer):
             return NoStep(problem)
-        if clearance < -LARGEST_LACK:
+        if lift.clearance < -LARGEST_LACK:
             return NoStep("a thigh or a shank would touch the ground on the way")
-        return Step(leg, foothold, target, lift.pose, touchdown, clearance)
+        return Step(leg, foothold, target, lift, touchdown)
 
     def _nominal(self, feet: Array, index: int, stride: float) -> Array:
         """(2,) N_i: half a stride and an eighth ahead of the leg's place about the middle of all feet, on the line."""

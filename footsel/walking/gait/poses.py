@@ -1,6 +1,6 @@
 """Poses of the base for a step: when the leg lifts, when it lands, and on the way."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from footsel.terrain import ElevationMap
 from footsel.walking.control.base_pose import LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
 from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import Clearance, LimbClearance
+from footsel.walking.control.quintic import Quintic
 from footsel.walking.gait.stance import HEIGHT, counter_clockwise, places, plane_tilt
 from footsel.walking.gait.swing import Swing
 
@@ -24,8 +25,10 @@ TILT_SHARE = 0.8
 SWAY = 0.05
 #: How far the base gets along the line while a foot stands, from its landing until it lifts. [m]
 STANCE_ADVANCE = 0.22
-#: When during a swing limbs are looked at, as shares of its time.
-SWING_SHARES = np.linspace(0.05, 1.0, 20)
+#: How often limbs are looked at during a swing.
+SWING_SAMPLES = 20
+#: In which share of the swing the base moves; the quicker where a knee would come too near else.
+PACES = (1.0, 0.6)
 #: A pose is good enough for a step if the base is this far inside the support, and legs are too long by no more. [m]
 LEAST_MARGIN, MOST_OVERREACH = 0.025, 0.012
 
@@ -42,6 +45,31 @@ class Situation:
     feet: Array
     base: BasePose
     com: Array
+
+
+@dataclass(frozen=True)
+class Lift:
+    """answer: the pose of the base when a leg lifts. pace: in which share of the swing the base goes on from there to
+    its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, in [m].
+    """
+
+    answer: PoseAnswer
+    pace: float
+    clearance: float
+
+    def motion_to(self, touchdown: BasePose, swing: Swing) -> Quintic:
+        """Of the base (6,) during the swing, if it passes the pose at lift at its speed."""
+        duration = self.pace * (swing.end - swing.start)
+        start, end = np.array(self.answer.pose.as_list()), np.array(touchdown.as_list())
+        return Quintic.between(
+            swing.start, duration, (start, self.speed(touchdown, swing), np.zeros(6)), end, np.zeros(6)
+        )
+
+    def speed(self, touchdown: BasePose, swing: Swing) -> Array:
+        """(6,) of the base when the leg lifts: along the ground alone, as one that is to rise would dip before."""
+        speed = np.zeros(6)
+        speed[:2] = (touchdown.position - self.answer.pose.position)[:2] / (swing.end - swing.start)
+        return speed
 
 
 class StepPoses:
@@ -65,11 +93,10 @@ class StepPoses:
         following = counter_clockwise(np.delete(landed, LEGS.index(next_leg), axis=0)[:, :2])
         return self._solve(now, place, tilt, landed, now.base, leg, following)
 
-    def at_lift(self, now: Situation, leg: str, touchdown: BasePose, swing: Swing) -> tuple[PoseAnswer, float]:
-        """On the way to the pose at touchdown, as far back as the swing has time to go from; and how clear limbs are
-        meanwhile, as in Clearance, in [m].
+    def at_lift(self, now: Situation, leg: str, touchdown: BasePose, swing: Swing) -> Lift:
+        """On the way to the pose at touchdown, as far back as the swing has time to go from.
 
-        A knee that would come too near in the swing counts as well.
+        Where a knee would come too near in the swing, poses that regard it and a quicker base are tried as well.
         """
         back = now.base.position - touchdown.position
         share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))
@@ -77,33 +104,30 @@ class StepPoses:
         tilt = ahead + share * (np.array([now.base.roll, now.base.pitch]) - ahead)
         place = touchdown.position + share * back
         answer = self._solve(now, place, tilt, now.feet, touchdown, leg)
-        clearance, narrowest = self._clearance(now, leg, answer.pose, touchdown, swing)
-        if clearance < 0:
+        best, narrowest = self._judge(now, leg, answer, touchdown, swing, PACES[0])
+        if best.clearance < 0:
             others = _landed(now.feet, leg, narrowest)
             other = self._solve(now, place, tilt, now.feet, answer.pose, leg, others=others)
-            better, _ = self._clearance(now, leg, other.pose, touchdown, swing)
-            if better > clearance and not flaw(other):
-                return other, better
-        return answer, clearance
+            answers = [answer] if flaw(other) else [answer, other]
+            tried = [self._judge(now, leg, each, touchdown, swing, pace)[0] for each in answers for pace in PACES]
+            best = max(tried, key=lambda lift: lift.clearance)
+        return best
 
-    def _clearance(
-        self, now: Situation, leg: str, lift: BasePose, touchdown: BasePose, swing: Swing
-    ) -> tuple[float, Array]:
-        """Of the limb nearest to the ground on the way to `lift` and from there to `touchdown`, and where the swinging
-        foot (3,) is when it is narrowest.
-        """
+    def _judge(
+        self, now: Situation, leg: str, answer: PoseAnswer, touchdown: BasePose, swing: Swing, pace: float
+    ) -> tuple[Lift, Array]:
+        """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
         map_ = now.elevation_map
-        shift = min(self._limbs.at(map_, _between(now.base, lift, share), now.feet).worst for share in (0.5, 1.0))
-        times = swing.start + SWING_SHARES * (swing.end - swing.start)
-        feet = [swing.at(time)[0] for time in times.tolist()]
-        # As far as a motion from rest to rest has come.
-        gone = SWING_SHARES**3 * (10 - 15 * SWING_SHARES + 6 * SWING_SHARES**2)
-        poses = [_between(lift, touchdown, share) for share in gone.tolist()]
+        lift = Lift(answer, pace, np.inf)
+        shift = [self._limbs.at(map_, _between(now.base, answer.pose, share), now.feet).worst for share in (0.5, 1.0)]
+        motion = lift.motion_to(touchdown, swing)
+        times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
+        feet = [swing.at(time)[0] for time in times]
         clear = [
-            self._limbs.at(map_, pose, _landed(now.feet, leg, foot)).worst
-            for pose, foot in zip(poses, feet, strict=True)
+            self._limbs.at(map_, BasePose(*motion.at(time)[0].tolist()), _landed(now.feet, leg, foot)).worst
+            for time, foot in zip(times, feet, strict=True)
         ]
-        return min(shift, *clear), feet[int(np.argmin(clear))]
+        return replace(lift, clearance=min(*shift, *clear)), feet[int(np.argmin(clear))]
 
     def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
         """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
@@ -175,5 +199,4 @@ def _landed(feet: Array, leg: str, target: Array) -> Array:
 def _between(first: BasePose, last: BasePose, share: float) -> BasePose:
     way = np.array(last.as_list()) - np.array(first.as_list())
     way[5] = np.angle(np.exp(1j * way[5]))
-    x, y, z, roll, pitch, yaw = (np.array(first.as_list()) + share * way).tolist()
-    return BasePose(x, y, z, roll, pitch, yaw)
+    return BasePose(*(np.array(first.as_list()) + share * way).tolist())

@@ -153,14 +153,12 @@ class Walker:
             self._stop(time, answer.reason)
             return
         self.step = answer
-        distance = float(np.linalg.norm(answer.lift.position - self.target[:3]))
+        lift = answer.lift.answer.pose
+        distance = float(np.linalg.norm(lift.position - self.target[:3]))
         duration = SHORTEST_SHIFT + distance / SHIFT_SPEED
-        goal, touchdown = np.array(answer.lift.as_list()), np.array(answer.touchdown.as_list())
         self._swing = self._planned_swing(time + duration, self.motion.feet[LEGS.index(answer.leg)], answer.goal)
-        # It goes on along the ground alone: a base that is to rise later would dip before.
-        speed = np.zeros(6)
-        speed[:2] = (touchdown - goal)[:2] / (self._swing.end - time - duration)
-        self._move_base(time, duration, goal, speed)
+        speed = answer.lift.speed(answer.touchdown, self._swing)
+        self._move_base(time, duration, np.array(lift.as_list()), speed)
         self.phase, self._until = Phase.SHIFT, time + duration
 
     def _lift(self, state: RobotState) -> None:
@@ -168,7 +166,8 @@ class Walker:
         index = LEGS.index(self.step.leg)
         self._origin = self.motion.feet[index].copy()
         self._swing = self._planned_swing(state.time, self._origin, self.step.goal)
-        self._move_base(state.time, self._swing.end - state.time, np.array(self.step.touchdown.as_list()), np.zeros(6))
+        duration = self.step.lift.pace * (self._swing.end - state.time)
+        self._move_base(state.time, duration, np.array(self.step.touchdown.as_list()), np.zeros(6))
         self.phase = Phase.SWING
 
     def _planned_swing(self, time: float, foot: Array, goal: Array) -> Swing:
@@ -190,7 +189,7 @@ class Walker:
             self._swing.at(time)[0][2] < self.step.goal[2] - MISSING_DEPTH or self._stretched(state, index)
         ):
             back = self._origin - [0, 0, self._radius]
-            self.step = replace(self.step, foothold=back, goal=self._origin, lift=self.step.touchdown)
+            self.step = replace(self.step, foothold=back, goal=self._origin)
             self._swing = self._planned_swing(time, self.motion.feet[index], self._origin)
 
     def _stretched(self, state: RobotState, index: int) -> bool:

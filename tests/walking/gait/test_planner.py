@@ -49,7 +49,8 @@ def test_on_level_ground_every_leg_gets_its_turn_and_its_stride():
         np.testing.assert_allclose(step.goal - step.foothold, [0, 0, RADIUS])
         # The centre of mass is over the other three when the leg lifts.
         corners = counter_clockwise(np.delete(feet, index, axis=0)[:, :2])
-        com = step.lift.position + step.lift.rotation() @ COM
+        lift = step.lift.answer.pose
+        com = lift.position + lift.rotation() @ COM
         edges = np.roll(corners, -1, axis=0) - corners
         inside = (edges[:, 0] * (com[1] - corners[:, 1]) - edges[:, 1] * (com[0] - corners[:, 0])) / np.linalg.norm(
             edges, axis=1
