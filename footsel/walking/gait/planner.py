@@ -25,18 +25,19 @@ Array = NDArray[np.float64]
 ORDER = ("LH", "LF", "RH", "RF")
 #: From one foothold of a leg to the next. [m]
 STRIDE = 0.28
-#: Tried in turn until a step gains enough and keeps all limbs clear: share of the stride, how much lower the base is
-#: [m]. The later ones are for a leg that has no such step at all.
-VARIANTS = (
-    *((1.0, 0.0), (1.25, 0.0), (1.0, 0.06), (1.0, -0.05), (0.6, 0.0)),
-    *((0.6, -0.05), (0.6, 0.06), (0.25, 0.06), (1.5, 0.06)),
+#: Tried in turn until a step gains enough and keeps all limbs clear: share of the stride, how much lower the base is,
+#: how much further out N_i is, both in [m].
+VARIANTS = ((1.0, 0.0, 0.0), (1.25, 0.0, 0.0), (1.0, 0.06, 0.0))
+#: For a leg that has no such step at all, and for all legs if none of them gets any further.
+MORE_VARIANTS = (
+    *((1.0, -0.05, 0.0), (0.6, 0.0, 0.0), (0.6, -0.05, 0.0), (0.6, 0.06, 0.0), (0.25, 0.06, 0.0), (1.5, 0.06, 0.0)),
+    *((0.8, 0.0, 0.08), (0.8, 0.0, -0.08), (0.3, 0.0, 0.08), (0.3, 0.0, -0.08)),
 )
-LAST_FOR_GAIN = 2
 #: How far along the line a foot has to get for its swing to be worth it: at its turn, and if no leg gets that far. [m]
 ENOUGH_GAIN, LEAST_GAIN = 0.08, 0.015
 #: A step is taken at once if no limb lacks more of its distance to the ground on the way, and never if one lacks more
-#: than all of it. [m]
-SMALL_LACK, LARGEST_LACK = 0.02, 0.04
+#: than that and what balls are larger than limbs. [m]
+SMALL_LACK, LARGEST_LACK = 0.02, 0.05
 #: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
 #: the pose for its own choice, and from which difference on. [m], [rad]
 ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
@@ -90,36 +91,46 @@ class StepPlanner:
         """
         now = Situation(elevation_map, feet, base, com)
         reasons: dict[str, str] = {}
+        step = self._choose(time, now, reasons, thorough=False) or self._choose(time, now, reasons, thorough=True)
+        if step is None:
+            leg = _after(self._last, 1)
+            return NoStep(f"no leg gets any further; {leg}: {reasons.get(leg, 'no foothold ahead')}")
+        self._last = step.leg
+        return step
+
+    def _choose(self, time: float, now: Situation, reasons: dict[str, str], thorough: bool) -> Step | None:
+        """The first step that is good enough, or the best of those that get the robot further at all.
+
+        thorough: whether legs that have a step, but not one that gains, try all others as well.
+        reasons: is told why a leg has no step.
+        """
         best: tuple[tuple[bool, float], Step] | None = None
         for turn in range(1, 5):
             leg = _after(self._last, turn)
-            for number, (stride, drop) in enumerate(VARIANTS):
-                step = self._try(time, now, leg, stride, drop)
+            can_stand = False
+            for variant in (*VARIANTS, *MORE_VARIANTS):
+                if can_stand and not thorough and variant in MORE_VARIANTS:
+                    break
+                step = self._try(time, now, leg, *variant)
                 if isinstance(step, NoStep):
                     reasons.setdefault(leg, step.reason)
                     continue
-                gain, clear = self._gain(feet, step), step.lift.clearance >= -SMALL_LACK
+                gain, clear = self._gain(now.feet, step), step.lift.clearance >= -SMALL_LACK
                 if gain >= ENOUGH_GAIN and clear:
-                    self._last = leg
                     return step
+                can_stand |= clear
                 rank = clear, gain if clear else step.lift.clearance
                 if gain > LEAST_GAIN and (best is None or rank > best[0]):
                     best = rank, step
-                if clear and number >= LAST_FOR_GAIN:
-                    break
-        if best is not None:
-            self._last = best[1].leg
-            return best[1]
-        leg = _after(self._last, 1)
-        return NoStep(f"no leg gets any further; {leg}: {reasons.get(leg, 'no foothold ahead')}")
+        return None if best is None else best[1]
 
     def _gain(self, feet: Array, step: Step) -> float:
         """How far the foot gets along the line, in [m]."""
         ends = self._line.to_line(np.stack([feet[LEGS.index(step.leg), :2], step.goal[:2]]))
         return float(ends[1, 0] - ends[0, 0])
 
-    def _try(self, time: float, now: Situation, leg: str, stride: float, drop: float) -> Step | NoStep:
-        nominal = self._nominal(now.feet, LEGS.index(leg), stride)
+    def _try(self, time: float, now: Situation, leg: str, stride: float, drop: float, out: float) -> Step | NoStep:
+        nominal = self._nominal(now.feet, LEGS.index(leg), stride, out)
         target = np.array([*nominal, self._likely_height(now, leg, nominal)])
         touchdown, foothold = None, None
         for _ in range(1 + ASK_AGAIN):
@@ -148,11 +159,12 @@ class StepPlanner:
             return NoStep("a thigh or a shank would touch the ground on the way")
         return Step(leg, foothold, target, lift, touchdown)
 
-    def _nominal(self, feet: Array, index: int, stride: float) -> Array:
+    def _nominal(self, feet: Array, index: int, stride: float, out: float = 0.0) -> Array:
         """(2,) N_i: half a stride and an eighth ahead of the leg's place about the middle of all feet, on the line."""
         middle = self._line.to_line(feet[:, :2])[:, 0].mean()
         along = middle + self._places[index, 0] + 0.625 * stride * STRIDE
-        return self._line.to_world(np.array([along, self._places[index, 1]]))
+        across = self._places[index, 1]
+        return self._line.to_world(np.array([along, across + np.sign(across) * out]))
 
     def _likely_height(self, now: Situation, leg: str, nominal: Array) -> float:
         """Of the foot's centre on the foothold to come: a foothold near N_i may be far above or below N_i itself."""
