@@ -10,6 +10,7 @@ from footsel.robot import load_robot
 from footsel.walking.control import base_pose
 from footsel.walking.control.base_pose import STABILITY_MARGIN, PoseProblem, inward_edges, optimise_base_pose
 from footsel.walking.control.leg_length import LegLength
+from footsel.walking.control.limb_clearance import Clearance
 from footsel.walking.gait.stance import counter_clockwise, places
 
 LENGTHS = LegLength(load_robot("anymal_b"))
@@ -84,3 +85,16 @@ def test_what_cannot_be_met_is_missed_by_little():
     thin = replace(problem(), support=np.array([[-0.3, -0.02], [0.3, -0.02], [0.3, 0.02], [-0.3, 0.02]]))
     answer = optimise_base_pose(thin, BasePose(0, 0, 0.45))
     assert answer.margin == pytest.approx(0.02, abs=2e-3)
+
+
+def test_it_rises_for_limbs_as_far_as_they_ask():
+    """Limbs over a ground 1 cm too high, whose clearance grows by half of the base's rise: it rises by 2 cm."""
+    free = optimise_base_pose(problem(), BasePose(0, 0, 0.45))
+
+    def limbs(pose):
+        least, rates = np.full((4, 2), np.inf), np.zeros((4, 2, 5))
+        least[2, 0], rates[2, 0, 2] = 0.5 * (pose.z - free.pose.z) - 0.01, 0.5
+        return Clearance(least, rates)
+
+    answer = optimise_base_pose(replace(problem(), limbs=limbs), BasePose(0, 0, 0.45))
+    assert answer.pose.z - free.pose.z == pytest.approx(0.02, abs=1e-3) and abs(answer.clearance) < 1e-3

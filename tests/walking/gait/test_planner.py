@@ -10,7 +10,7 @@ from footsel.robot import load_robot
 from footsel.selectors import make_selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.planner import ORDER, STRIDE, NoStep, Step, StepPlanner
+from footsel.walking.gait.planner import LARGEST_LACK, ORDER, STRIDE, NoStep, Step, StepPlanner
 from footsel.walking.gait.poses import LEAST_MARGIN
 from footsel.walking.gait.stance import counter_clockwise, places, plane_tilt
 from footsel.walking.gait.walker import ground_normal
@@ -73,6 +73,32 @@ def test_a_nominal_foothold_in_a_gap_does_not_make_the_robot_crouch():
     first = asked[0]
     assert first.leg == "LH" and first.pose.z > 0.4 and abs(first.pose.roll) < 0.15 and abs(first.pose.pitch) < 0.15
     assert isinstance(step, Step) and step.foothold[2] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_steps_up_stairs_keep_all_limbs_clear_or_are_not_taken():
+    """Stairs of 15 cm ahead of level ground: what a step is said to keep clear is what the planner lets pass."""
+
+    def stairs(heights, x):
+        heights += 0.15 * np.clip(np.ceil((x - 0.5) / 0.30), 0, 5)[:, None]
+
+    feet, base = FEET.copy(), BASE
+    plans, _ = planner()
+    for tick in range(12):
+        step = plans.plan(float(tick), ground(stairs), feet, base, COM)
+        assert isinstance(step, Step) and step.lift.clearance > -LARGEST_LACK
+        feet[LEGS.index(step.leg)], base = step.goal, step.touchdown
+    assert feet[:2, 2].min() > 0.3 and base.pitch < -0.1
+
+
+def test_a_leg_that_finds_no_gain_does_not_hold_up_the_others():
+    """Footholds on the left alone end: it is the right legs' turn, or N_i further in or out is tried."""
+    plans, _ = planner("nominal")
+
+    def cliff(heights, x):
+        heights[x > -0.3, :76] = np.nan
+
+    step = plans.plan(0.0, ground(cliff), FEET, BASE, COM)
+    assert isinstance(step, Step) and step.leg != "RF"
 
 
 def test_where_nothing_is_known_it_says_that_there_is_no_step():
