@@ -44,6 +44,9 @@ ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
 #: A foothold has to serve until its leg lifts again. How many of the selector's candidates are looked at for that, and
 #: what a metre costs by which the leg would then be too long or a limb too near to the ground. [cost / m]
 CANDIDATES, LACK_WEIGHT = 60, 2000.0
+#: A foot should stand at least so far on its own side of the line, which costs as much, and must stand so far: on feet
+#: in one line the robot falls over when a leg swings. [m]
+ENOUGH_WIDTH, LEAST_WIDTH = 0.13, 0.05
 #: Footholds are expected within this distance of N_i, and of the height of where the leg stands now. [m]
 NEAR, LEVELS = 0.12, 0.25
 _AROUND = np.stack(np.meshgrid(*[np.linspace(-NEAR, NEAR, 7)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -130,27 +133,15 @@ class StepPlanner:
         return float(ends[1, 0] - ends[0, 0])
 
     def _try(self, time: float, now: Situation, leg: str, stride: float, drop: float, out: float) -> Step | NoStep:
-        nominal = self._nominal(now.feet, LEGS.index(leg), stride, out)
-        target = np.array([*nominal, self._likely_height(now, leg, nominal)])
-        touchdown, foothold = None, None
-        for _ in range(1 + ASK_AGAIN):
-            answer = self._poses.at_touchdown(now, leg, target, _after(leg, 1), drop)
-            if problem := flaw(answer):
-                if foothold is None:
-                    return NoStep(problem)
-                break
-            if touchdown is not None and _near(answer.pose, touchdown):
-                break
-            choice = self._ask(time, now.elevation_map, leg, answer.pose, nominal)
-            if choice.position is None:
-                if foothold is None:
-                    return NoStep(choice.reason or "no foothold")
-                break
-            touchdown, foothold = answer.pose, self._lasting(now, leg, answer.pose, choice)
-            target = foothold + self._to_centre
-        assert touchdown is not None and foothold is not None
+        found = self._foothold(time, now, leg, self._nominal(now.feet, LEGS.index(leg), stride, out), drop)
+        if isinstance(found, NoStep):
+            return found
+        foothold, touchdown = found
+        target = foothold + self._to_centre
         if not self._poses.reaches(touchdown, leg, target):
             return NoStep("the foothold is beyond the leg's reach")
+        if self._width(leg, target) < LEAST_WIDTH:
+            return NoStep("the foothold is too near to the other side's feet")
         swing = plan_swing(now.elevation_map, time, now.feet[LEGS.index(leg)], target, self._radius)
         lift = self._poses.at_lift(now, leg, touchdown, swing)
         if problem := flaw(lift.answer):
@@ -158,6 +149,26 @@ class StepPlanner:
         if lift.clearance < -LARGEST_LACK:
             return NoStep("a thigh or a shank would touch the ground on the way")
         return Step(leg, foothold, target, lift, touchdown)
+
+    def _foothold(
+        self, time: float, now: Situation, leg: str, nominal: Array, drop: float
+    ) -> tuple[Array, BasePose] | NoStep:
+        """A foothold (3,) and the pose of the base for it, which depend on each other."""
+        target = np.array([*nominal, self._likely_height(now, leg, nominal)])
+        found: tuple[Array, BasePose] | None = None
+        for _ in range(1 + ASK_AGAIN):
+            answer = self._poses.at_touchdown(now, leg, target, _after(leg, 1), drop)
+            problem = flaw(answer)
+            if not problem and not (found and _near(answer.pose, found[1])):
+                choice = self._ask(time, now.elevation_map, leg, answer.pose, nominal)
+                if choice.position is not None:
+                    found = self._lasting(now, leg, answer.pose, choice), answer.pose
+                    target = found[0] + self._to_centre
+                    continue
+                problem = choice.reason or "no foothold"
+            return found or NoStep(problem)
+        assert found is not None
+        return found
 
     def _nominal(self, feet: Array, index: int, stride: float, out: float = 0.0) -> Array:
         """(2,) N_i: half a stride and an eighth ahead of the leg's place about the middle of all feet, on the line."""
@@ -180,12 +191,19 @@ class StepPlanner:
         return answer
 
     def _lasting(self, now: Situation, leg: str, touchdown: BasePose, choice: Foothold) -> Array:
-        """(3,) the best of a choice and its alternatives, if it is to serve until the leg lifts again."""
+        """(3,) the best of a choice and its alternatives, if it is to serve until the leg lifts again, and to
+        leave room for the other side.
+        """
         assert choice.position is not None and choice.final_cost is not None
         places = np.array([choice.position, *(each.position for each in choice.alternatives)])
         costs = np.array([choice.final_cost, *(each.final_cost for each in choice.alternatives)])
         lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, places + self._to_centre)
+        lack += np.maximum(ENOUGH_WIDTH - self._width(leg, places), 0.0)
         return np.asarray(places[np.argmin(costs + LACK_WEIGHT * lack)])
+
+    def _width(self, leg: str, points: Array) -> Array:
+        """(...,) how far points (..., 3) are on a leg's own side of the line, in [m]."""
+        return np.asarray(np.sign(self._places[LEGS.index(leg), 1]) * self._line.to_line(points[..., :2])[..., 1])
 
 
 def _after(leg: str, turns: int) -> str:

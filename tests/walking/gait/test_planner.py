@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from footsel.footholds import BasePose
+from footsel.footholds import BasePose, Foothold
+from footsel.footholds.foothold import Alternative
 from footsel.footholds.pose import tilt_rotation
 from footsel.legs import LEGS
 from footsel.robot import load_robot
@@ -11,7 +12,7 @@ from footsel.selectors import make_selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.planner import LARGEST_LACK, ORDER, STRIDE, NoStep, Step, StepPlanner
-from footsel.walking.gait.poses import LEAST_MARGIN
+from footsel.walking.gait.poses import LEAST_MARGIN, Situation
 from footsel.walking.gait.stance import counter_clockwise, places, plane_tilt
 from footsel.walking.gait.walker import ground_normal
 
@@ -130,3 +131,17 @@ def test_a_line_leads_there_and_back():
     points = np.random.default_rng(0).normal(size=(5, 2))
     np.testing.assert_allclose(line.to_world(line.to_line(points)), points, atol=1e-12)
     np.testing.assert_allclose(line.to_line(np.array([1 + np.cos(0.7), 2 + np.sin(0.7)])), [1, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("leg", LEGS)
+def test_feet_keep_to_their_own_side(leg):
+    """Of footholds that are alike the selector's own order counts, unless they leave no room for the other side."""
+    plans, _ = planner()
+    index = LEGS.index(leg)
+    side = np.sign(places()[index, 1])
+    points = np.array([[0.0, 0.2 * side, 0.0], [0.0, 0.02 * side, 0.0], [0.0, -0.1 * side, 0.0]])
+    np.testing.assert_allclose(plans._width(leg, points), [0.2, 0.02, -0.1])
+    narrow, wide = tuple(points[1] + [places()[index, 0], 0, 0]), tuple(points[0] + [places()[index, 0], 0, 0])
+    choice = Foothold("ok", None, narrow, (0, 0), 10.0, 0, 10.0, narrow, 0.0, None, (Alternative(wide, 30.0),))
+    now = Situation(ground(), FEET, BASE, COM)
+    np.testing.assert_allclose(plans._lasting(now, leg, BASE, choice), wide)
