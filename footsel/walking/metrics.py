@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footsel.walking.control.base_pose import inward_edges
-from footsel.walking.gait.planner import counter_clockwise
+from footsel.walking.gait.stance import counter_clockwise
 from footsel.walking.gait.walker import Walker
 from footsel.walking.simulation import TIME_STEP, Simulation
 from footsel.walking.state import RobotState

@@ -13,7 +13,7 @@ from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.course import WalkCourse
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.planner import counter_clockwise
+from footsel.walking.gait.stance import counter_clockwise
 from footsel.walking.gait.start import standing_start
 from footsel.walking.gait.walker import Walker
 from footsel.walking.map_source import MapSource

@@ -1,4 +1,5 @@
-"""Where the base should be: balanced over the standing feet, in reach of all of them, tilted with the ground.
+"""Where the base should be: balanced over the standing feet, in reach of all of them, tilted with the ground, and high
+enough that no thigh or shank touches it.
 
 Solved by sequential quadratic programming over x, y, z, roll, pitch at a given yaw. What cannot be met is missed by as
 little as possible: bounds are soft, and the answer says by how much they are missed. The idea is that of
@@ -6,6 +7,7 @@ Fankhauser, Bjelonic, Bellicoso, Miki and Hutter, "Robust Rough-Terrain Locomoti
 the tilt has a cost of its own here, so that a base that leans aside does not roll.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +15,14 @@ import quadprog
 from numpy.typing import NDArray
 
 from footsel.footholds import BasePose
+from footsel.walking.control.leg_length import LegLength
+from footsel.walking.control.limb_clearance import Clearance
 
 Array = NDArray[np.float64]
 
 #: The centre of mass stays at least this far inside the support polygon. [m]
 STABILITY_MARGIN = 0.055
-#: From the hip point to the foot's centre: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
+#: Within the leg's plane: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
 LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
 #: The base tilts no further. [rad]
 STEEPEST = 0.4
@@ -27,8 +31,14 @@ STEEPEST = 0.4
 COMFORTABLE_LEG = 0.46
 #: What a radian off the best tilt costs beside a metre off the best place, both squared. [m^2 / rad^2]
 TILT_WEIGHT = 0.25
-#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg.
-BOUND_WEIGHT, NEXT_WEIGHT, COMFORT_WEIGHT = 2.5e3, 8.0, 2.0
+#: The same for a metre outside a bound: of support and reach, of the next support, of a comfortable leg, of limbs that
+#: stay clear of the ground.
+BOUND_WEIGHT, NEXT_WEIGHT, COMFORT_WEIGHT, LIMB_WEIGHT = 2.5e3, 8.0, 2.0, 500.0
+#: Slacks of the bounds: of support, next support and reach, and two for each leg, of comfort and of its limbs.
+SUPPORT, NEXT, REACH, COMFORT, LIMBS = 0, 1, 2, slice(3, 7), slice(7, 11)
+SLACKS = 11
+#: Limbs further from the ground than this are no concern of a step. [m]
+FAR = 0.15
 ITERATIONS = 6
 #: Largest change of a position and an angle in one iteration. [m], [rad]
 LARGEST_STEP = np.array([0.2, 0.2, 0.2, 0.3, 0.3])
@@ -39,33 +49,37 @@ class PoseProblem:
     """What the base has to meet.
 
     yaw: of the base, in [rad]. place: (3,) where the base would best be, in W, in [m]. tilt: (2,) its best roll and
-    pitch, in [rad]. hips: (4, 3) hip points in the base frame, in [m]. feet: (4, 3) foot centres that the legs have to
-    reach, by LEGS, in W, in [m]. com: (3,) centre of mass in the base frame, in [m].
+    pitch, in [rad]. legs: how long they are. feet: (4, 3) foot centres that they have to reach, by LEGS, in W, in [m].
+    com: (3,) centre of mass in the base frame, in [m].
     support: (k, 2) corners, counter-clockwise, that the centre of mass lies over.
     next_support: the same of the step to come: met as far as `support` and `reach` allow.
+    limbs: how clear of the ground thighs and shanks are at a pose, with the feet where they are.
     margin: how far inside, in [m].
     """
 
     yaw: float
     place: Array
     tilt: Array
-    hips: Array
+    legs: LegLength
     feet: Array
     com: Array
     support: Array
     next_support: Array | None = None
+    limbs: Callable[[BasePose], Clearance] | None = None
     margin: float = STABILITY_MARGIN
 
 
 @dataclass(frozen=True)
 class PoseAnswer:
     """pose: of the base. margin: of the centre of mass inside the support, negative outside. overreach: how much too
-    long or too short the worst leg is, both in [m].
+    long or too short the worst leg is. clearance: of the limb nearest to the ground beyond the distance that it should
+    have, inf if nothing is known of it, all in [m].
     """
 
     pose: BasePose
     margin: float
     overreach: float
+    clearance: float = np.inf
 
 
 def optimise_base_pose(problem: PoseProblem, guess: BasePose) -> PoseAnswer:
@@ -77,8 +91,8 @@ def optimise_base_pose(problem: PoseProblem, guess: BasePose) -> PoseAnswer:
         if np.abs(step).max() < 1e-4:
             break
     margin, overreach = _quality(problem, values)
-    x, y, z, roll, pitch = values.tolist()
-    return PoseAnswer(BasePose(x, y, z, roll, pitch, problem.yaw), margin, overreach)
+    pose = _pose(problem, values)
+    return PoseAnswer(pose, margin, overreach, problem.limbs(pose).worst if problem.limbs else np.inf)
 
 
 def inward_edges(corners: Array) -> tuple[Array, Array]:
@@ -89,14 +103,13 @@ def inward_edges(corners: Array) -> tuple[Array, Array]:
 
 
 def _step(problem: PoseProblem, values: Array) -> Array:
-    """(5,) change that solves the problem linearised at `values`.
-
-    The slacks are those of support, next support, reach and, one per leg, comfort.
-    """
-    points = np.concatenate([problem.com[None], problem.hips])
+    """(5,) change that solves the problem linearised at `values`."""
+    points = np.concatenate([problem.com[None], problem.legs.hips])
     moved, jacobians = _move(problem.yaw, values, points)
-    weights = [BOUND_WEIGHT, NEXT_WEIGHT, BOUND_WEIGHT] + [COMFORT_WEIGHT] * 4
-    H, c = np.diag([0.0] * 5 + [2 * weight for weight in weights]), np.zeros(12)
+    weights = np.empty(SLACKS)
+    weights[[SUPPORT, REACH]], weights[NEXT] = BOUND_WEIGHT, NEXT_WEIGHT
+    weights[COMFORT], weights[LIMBS] = COMFORT_WEIGHT, LIMB_WEIGHT
+    H, c = np.diag(np.concatenate([np.zeros(5), 2 * weights])), np.zeros(5 + SLACKS)
     H[range(3), range(3)] += 2
     c[:3] += 2 * (problem.place - values[:3])
     H[range(3, 5), range(3, 5)] += 2 * TILT_WEIGHT
@@ -105,20 +118,24 @@ def _step(problem: PoseProblem, values: Array) -> Array:
     rows, bounds = [], []
 
     def bound(row: Array, slack: int | None, least: float) -> None:
-        rows.append(np.concatenate([row, np.eye(7)[slack] if slack is not None else np.zeros(7)]))
+        rows.append(np.concatenate([row, np.eye(SLACKS)[slack] if slack is not None else np.zeros(SLACKS)]))
         bounds.append(least)
 
-    for slack, corners in ((0, problem.support), (1, problem.next_support)):
+    for slack, corners in ((SUPPORT, problem.support), (NEXT, problem.next_support)):
         if corners is not None:
             for normal, offset in zip(*inward_edges(corners), strict=True):
                 bound(normal @ jacobians[0][:2], slack, problem.margin + offset - normal @ moved[0][:2])
     for k, foot in enumerate(problem.feet):
         leg = moved[1 + k] - foot
-        length = float(np.linalg.norm(leg))
+        length = float(problem.legs.between(moved[1 + k], foot))
         row = leg / length @ jacobians[1 + k]
-        bound(-row, 2, length - LONGEST_LEG)
-        bound(-row, 3 + k, length - COMFORTABLE_LEG)
-        bound(row, 2, SHORTEST_LEG - length)
+        bound(-row, REACH, length - LONGEST_LEG)
+        bound(-row, COMFORT.start + k, length - COMFORTABLE_LEG)
+        bound(row, REACH, SHORTEST_LEG - length)
+    if problem.limbs is not None:
+        limbs = problem.limbs(_pose(problem, values))
+        for k, limb in np.argwhere(limbs.least < FAR):
+            bound(limbs.rates[k, limb], LIMBS.start + k, -limbs.least[k, limb])
     for axis in range(5):
         row = np.eye(5)[axis]
         low, high = -LARGEST_STEP[axis], LARGEST_STEP[axis]
@@ -126,17 +143,22 @@ def _step(problem: PoseProblem, values: Array) -> Array:
             low, high = max(low, -STEEPEST - values[axis]), min(high, STEEPEST - values[axis])
         bound(row, None, min(low, 0.0))
         bound(-row, None, -max(high, 0.0))
-    for slack in range(7):
+    for slack in range(SLACKS):
         bound(np.zeros(5), slack, 0.0)
     return np.asarray(quadprog.solve_qp(H, c, np.array(rows).T, np.array(bounds))[0][:5])
 
 
+def _pose(problem: PoseProblem, values: Array) -> BasePose:
+    x, y, z, roll, pitch = values.tolist()
+    return BasePose(x, y, z, roll, pitch, problem.yaw)
+
+
 def _quality(problem: PoseProblem, values: Array) -> tuple[float, float]:
-    points = np.concatenate([problem.com[None], problem.hips])
+    points = np.concatenate([problem.com[None], problem.legs.hips])
     moved, _ = _move(problem.yaw, values, points)
     normals, offsets = inward_edges(problem.support)
     margin = float((normals @ moved[0][:2] - offsets).min())
-    lengths = np.linalg.norm(moved[1:] - problem.feet, axis=1)
+    lengths = problem.legs.between(moved[1:], problem.feet)
     return margin, float(np.maximum(lengths - LONGEST_LEG, SHORTEST_LEG - lengths).max())
 
 

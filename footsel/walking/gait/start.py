@@ -8,7 +8,7 @@ from footsel.footholds.pose import heading_rotation
 from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.walking.course import WalkCourse
-from footsel.walking.gait.planner import HEIGHT, places
+from footsel.walking.gait.stance import HEIGHT, places
 
 Array = NDArray[np.float64]
 

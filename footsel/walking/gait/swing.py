@@ -23,6 +23,8 @@ ENDS, ROUGHNESS = 0.05, 0.012
 #: Largest accelerations up, along and down: the base has to hold against the leg. [m/s^2]
 RISE, ALONG, SINK = 9.0, 10.0, 7.0
 SHORTEST_PHASE = 0.12
+#: How fast a foot comes down, and sinks on if the ground is late. [m/s]
+TOUCHDOWN_SPEED = 0.15
 #: Shares of the rise and of the sinking during which the foot does not move forward: tried from the boldest on.
 WAITS = (0.35, 0.5, 0.65, 0.8, 1.0)
 SAMPLES = 33
@@ -43,6 +45,11 @@ class Swing:
     down: Quintic
 
     @property
+    def start(self) -> float:
+        """When the foot begins to rise, in [s]."""
+        return self.up.start
+
+    @property
     def end(self) -> float:
         """When the foot should touch the ground, in [s]."""
         return self.down.end
@@ -58,12 +65,10 @@ class Swing:
         return tuple(np.concatenate(pair) for pair in zip(xy, z, strict=True))  # type: ignore[return-value]
 
 
-def plan_swing(
-    elevation_map: ElevationMap, start: float, foot: Array, goal: Array, foot_radius: float, touchdown_speed: float
-) -> Swing:
+def plan_swing(elevation_map: ElevationMap, start: float, foot: Array, goal: Array, foot_radius: float) -> Swing:
     """A swing of a foot's centre from `foot` (3,) to `goal` (3,) in W, that begins at time `start`.
 
-    It sinks at `touchdown_speed` [m/s] when it arrives and goes on until the ground is felt.
+    It sinks at TOUCHDOWN_SPEED when it arrives and goes on until the ground is felt.
     """
     needed = required_height(elevation_map, foot, goal, foot_radius)
     apex = max(float(needed.max()), foot[2] + LIFT, goal[2] + LIFT)
@@ -80,7 +85,7 @@ def plan_swing(
         swing = Swing(
             along=Quintic.between(along_start, travel, (foot[:2], zero, zero), goal[:2], zero),
             up=Quintic.between(start, rise, (foot[2:], zero[:1], zero[:1]), [apex], zero[:1]),
-            down=Quintic.between(down_start, sink, ([apex], zero[:1], zero[:1]), goal[2:], [-touchdown_speed]),
+            down=Quintic.between(down_start, sink, ([apex], zero[:1], zero[:1]), goal[2:], [-TOUCHDOWN_SPEED]),
         )
         if _is_clear(swing, start, foot, goal, needed):
             break

@@ -1,6 +1,7 @@
 """The walker: shifts, swings and sets down, tick by tick."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from enum import Enum
 from math import cos, sin
 
@@ -14,14 +15,17 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.control.dynamics import Dynamics, Motion
+from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.quintic import Quintic
 from footsel.walking.control.whole_body import Task, whole_body_effort
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.planner import NoStep, Step, StepPlanner
-from footsel.walking.gait.swing import Swing, plan_swing
+from footsel.walking.gait.swing import TOUCHDOWN_SPEED, Swing, plan_swing
 from footsel.walking.observer import Choice
 from footsel.walking.state import RobotState
 from footsel.walking.vectors import length
+
+__all__ = ["TOUCHDOWN_SPEED", "Phase", "Walker", "ground_normal"]
 
 Array = NDArray[np.float64]
 
@@ -42,10 +46,10 @@ LARGEST_FORCE, LEAST_FORCE = 450.0, 15.0
 LEAST_SHARE = 0.02
 #: A foot has landed once the ground pushes it so hard; a leg that is let down weighs no more than a few newtons. [N]
 TOUCHDOWN_FORCE = 2.0
-#: How fast a foot comes down, and sinks on if the ground is late. [m/s]
-TOUCHDOWN_SPEED = 0.15
 #: No ground is felt until a foot is so far below its foothold: it goes back to where it came from. [m]
 MISSING_DEPTH = 0.10
+#: Nor does a leg get any longer in search of ground: stretched it is 0.564 m long. [m]
+STRETCHED_LEG = 0.555
 
 
 class Phase(Enum):
@@ -75,6 +79,7 @@ class Walker:
     ) -> None:
         self._dynamics = Dynamics(robot)
         self._planner = StepPlanner(robot, selector, line, chosen)
+        self._legs = LegLength(robot)
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
         self.phase = Phase.PAUSE
         self.step: Step | None = None
@@ -148,11 +153,12 @@ class Walker:
             self._stop(time, answer.reason)
             return
         self.step = answer
-        distance = float(np.linalg.norm(answer.lift.position - self.target[:3]))
+        lift = answer.lift.answer.pose
+        distance = float(np.linalg.norm(lift.position - self.target[:3]))
         duration = SHORTEST_SHIFT + distance / SHIFT_SPEED
-        goal, touchdown = np.array(answer.lift.as_list()), np.array(answer.touchdown.as_list())
         self._swing = self._planned_swing(time + duration, self.motion.feet[LEGS.index(answer.leg)], answer.goal)
-        self._move_base(time, duration, goal, (touchdown - goal) / (self._swing.end - time - duration))
+        speed = answer.lift.speed(answer.touchdown, self._swing)
+        self._move_base(time, duration, np.array(lift.as_list()), speed)
         self.phase, self._until = Phase.SHIFT, time + duration
 
     def _lift(self, state: RobotState) -> None:
@@ -160,11 +166,12 @@ class Walker:
         index = LEGS.index(self.step.leg)
         self._origin = self.motion.feet[index].copy()
         self._swing = self._planned_swing(state.time, self._origin, self.step.goal)
-        self._move_base(state.time, self._swing.end - state.time, np.array(self.step.touchdown.as_list()), np.zeros(6))
+        duration = self.step.lift.pace * (self._swing.end - state.time)
+        self._move_base(state.time, duration, np.array(self.step.touchdown.as_list()), np.zeros(6))
         self.phase = Phase.SWING
 
     def _planned_swing(self, time: float, foot: Array, goal: Array) -> Swing:
-        return plan_swing(self._map(), time, foot, goal, self._radius, TOUCHDOWN_SPEED)
+        return plan_swing(self._map(), time, foot, goal, self._radius)
 
     def _watch_swing(self, state: RobotState) -> None:
         """Touchdown, early or late, or no ground at all."""
@@ -178,15 +185,17 @@ class Walker:
             self._normals[index] = ground_normal(self._map(), self.motion.feet[index], self._radius)
             self.phase = Phase.SHIFT
             self._plan(state)
-        elif time > self._swing.end and self._swing.at(time)[0][2] < self.step.goal[2] - MISSING_DEPTH:
-            self.step = Step(
-                self.step.leg,
-                self._origin - [0, 0, self._radius],
-                self._origin,
-                self.step.touchdown,
-                self.step.touchdown,
-            )
+        elif time > self._swing.end and (
+            self._swing.at(time)[0][2] < self.step.goal[2] - MISSING_DEPTH or self._stretched(state, index)
+        ):
+            back = self._origin - [0, 0, self._radius]
+            self.step = replace(self.step, foothold=back, goal=self._origin)
             self._swing = self._planned_swing(time, self.motion.feet[index], self._origin)
+
+    def _stretched(self, state: RobotState, index: int) -> bool:
+        """Whether a leg is so long that its knee could turn over."""
+        hip = state.base[:3, 3] + state.base[:3, :3] @ self._legs.hips[index]
+        return bool(self._legs.between(hip, self.motion.feet[index]) > STRETCHED_LEG)
 
     def _stop(self, time: float, reason: str) -> None:
         self.phase, self.reason, self._until = Phase.STOPPED, reason, time + PAUSE

@@ -6,20 +6,22 @@ import numpy as np
 import pytest
 
 from footsel.footholds import BasePose
-from footsel.legs import LEGS
 from footsel.robot import load_robot
 from footsel.walking.control import base_pose
 from footsel.walking.control.base_pose import STABILITY_MARGIN, PoseProblem, inward_edges, optimise_base_pose
-from footsel.walking.gait.planner import counter_clockwise, places
+from footsel.walking.control.leg_length import LegLength
+from footsel.walking.control.limb_clearance import Clearance
+from footsel.walking.gait.stance import counter_clockwise, places
 
-HIPS = np.array([load_robot("anymal_b").layout.hips[leg] for leg in LEGS])
+LENGTHS = LegLength(load_robot("anymal_b"))
+HIPS = LENGTHS.hips
 FEET = np.column_stack([places(), np.full(4, 0.031)])
 
 
 def problem(feet=FEET, lifted=0, yaw=0.0):
     support = counter_clockwise(np.delete(feet, lifted, axis=0)[:, :2])
     place = np.array([*feet[:, :2].mean(axis=0), 0.45])
-    return PoseProblem(yaw, place, np.zeros(2), HIPS, feet, np.array([0.0, 0.0, 0.02]), support)
+    return PoseProblem(yaw, place, np.zeros(2), LENGTHS, feet, np.array([0.0, 0.0, 0.02]), support)
 
 
 @pytest.mark.parametrize("lifted", range(4))
@@ -40,7 +42,7 @@ def test_no_pose_near_it_is_better():
         points, _ = base_pose._move(0.0, pose, np.concatenate([asked.com[None], HIPS]))
         normals, offsets = inward_edges(asked.support)
         short = max(0.0, STABILITY_MARGIN - float((normals @ points[0][:2] - offsets).min()))
-        lengths = np.linalg.norm(points[1:] - FEET, axis=1)
+        lengths = LENGTHS.between(points[1:], FEET)
         reach = max(0.0, float((lengths - base_pose.LONGEST_LEG).max()))
         comfort = np.maximum(lengths - base_pose.COMFORTABLE_LEG, 0)
         bounds = base_pose.BOUND_WEIGHT * (short**2 + reach**2)
@@ -83,3 +85,16 @@ def test_what_cannot_be_met_is_missed_by_little():
     thin = replace(problem(), support=np.array([[-0.3, -0.02], [0.3, -0.02], [0.3, 0.02], [-0.3, 0.02]]))
     answer = optimise_base_pose(thin, BasePose(0, 0, 0.45))
     assert answer.margin == pytest.approx(0.02, abs=2e-3)
+
+
+def test_it_rises_for_limbs_as_far_as_they_ask():
+    """Limbs over a ground 1 cm too high, whose clearance grows by half of the base's rise: it rises by 2 cm."""
+    free = optimise_base_pose(problem(), BasePose(0, 0, 0.45))
+
+    def limbs(pose):
+        least, rates = np.full((4, 2), np.inf), np.zeros((4, 2, 5))
+        least[2, 0], rates[2, 0, 2] = 0.5 * (pose.z - free.pose.z) - 0.01, 0.5
+        return Clearance(least, rates)
+
+    answer = optimise_base_pose(replace(problem(), limbs=limbs), BasePose(0, 0, 0.45))
+    assert answer.pose.z - free.pose.z == pytest.approx(0.02, abs=1e-3) and abs(answer.clearance) < 1e-3

@@ -1,0 +1,202 @@
+"""Poses of the base for a step: when the leg lifts, when it lands, and on the way."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footsel.footholds import BasePose
+from footsel.footholds.pose import heading_rotation
+from footsel.legs import LEGS
+from footsel.robot.robot import Robot
+from footsel.terrain import ElevationMap
+from footsel.walking.control.base_pose import LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
+from footsel.walking.control.leg_length import LegLength
+from footsel.walking.control.limb_clearance import Clearance, LimbClearance
+from footsel.walking.control.quintic import Quintic
+from footsel.walking.gait.stance import HEIGHT, counter_clockwise, places, plane_tilt
+from footsel.walking.gait.swing import Swing
+
+Array = NDArray[np.float64]
+
+#: The base takes this share of the tilt of the plane through the feet.
+TILT_SHARE = 0.8
+#: How far the base moves while a leg swings. [m]
+SWAY = 0.05
+#: How far the base gets along the line while a foot stands, from its landing until it lifts. [m]
+STANCE_ADVANCE = 0.22
+#: How often limbs are looked at during a swing.
+SWING_SAMPLES = 20
+#: In which share of the swing the base moves; the quicker where a knee would come too near else.
+PACES = (1.0, 0.6)
+#: A pose is good enough for a step if the base is this far inside the support, and legs are too long by no more. [m]
+LEAST_MARGIN, MOST_OVERREACH = 0.025, 0.012
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """What a step starts from.
+
+    elevation_map: as known now. feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
+    com: (3,) centre of mass in the base frame, in [m].
+    """
+
+    elevation_map: ElevationMap
+    feet: Array
+    base: BasePose
+    com: Array
+
+
+@dataclass(frozen=True)
+class Lift:
+    """answer: the pose of the base when a leg lifts. pace: in which share of the swing the base goes on from there to
+    its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, in [m].
+    """
+
+    answer: PoseAnswer
+    pace: float
+    clearance: float
+
+    def motion_to(self, touchdown: BasePose, swing: Swing) -> Quintic:
+        """Of the base (6,) during the swing, if it passes the pose at lift at its speed."""
+        duration = self.pace * (swing.end - swing.start)
+        start, end = np.array(self.answer.pose.as_list()), np.array(touchdown.as_list())
+        return Quintic.between(
+            swing.start, duration, (start, self.speed(touchdown, swing), np.zeros(6)), end, np.zeros(6)
+        )
+
+    def speed(self, touchdown: BasePose, swing: Swing) -> Array:
+        """(6,) of the base when the leg lifts: along the ground alone, as one that is to rise would dip before."""
+        speed = np.zeros(6)
+        speed[:2] = (touchdown.position - self.answer.pose.position)[:2] / (swing.end - swing.start)
+        return speed
+
+
+class StepPoses:
+    """Finds poses of the base that walks with heading `yaw`, in [rad]."""
+
+    def __init__(self, robot: Robot, yaw: float) -> None:
+        self._yaw, self._turn = yaw, heading_rotation(yaw)
+        self._legs = LegLength(robot)
+        self._stance = np.column_stack([places(), np.full(4, robot.description.foot_radius - HEIGHT)])
+        self._limbs = LimbClearance(robot)
+
+    def at_touchdown(self, now: Situation, leg: str, target: Array, next_leg: str, drop: float) -> PoseAnswer:
+        """When the foot of `leg` lands with its centre at target (3,): over the standing feet, in reach of the target
+        and, if it can be, over the support of the leg that swings next as well.
+
+        drop: by how much the base should be lower than usual, in [m].
+        """
+        landed = _landed(now.feet, leg, target)
+        place = (landed - self._stance @ self._turn.T).mean(axis=0) - [0.0, 0.0, drop]
+        tilt = TILT_SHARE * plane_tilt(landed @ self._turn)
+        following = counter_clockwise(np.delete(landed, LEGS.index(next_leg), axis=0)[:, :2])
+        return self._solve(now, place, tilt, landed, now.base, leg, following)
+
+    def at_lift(self, now: Situation, leg: str, touchdown: BasePose, swing: Swing) -> Lift:
+        """On the way to the pose at touchdown, as far back as the swing has time to go from.
+
+        Where a knee would come too near in the swing, poses that regard it and a quicker base are tried as well.
+        """
+        back = now.base.position - touchdown.position
+        share = min(1.0, SWAY / max(float(np.linalg.norm(back)), 1e-6))
+        ahead = np.array([touchdown.roll, touchdown.pitch])
+        tilt = ahead + share * (np.array([now.base.roll, now.base.pitch]) - ahead)
+        place = touchdown.position + share * back
+        answer = self._solve(now, place, tilt, now.feet, touchdown, leg)
+        best, narrowest = self._judge(now, leg, answer, touchdown, swing, PACES[0])
+        if best.clearance < 0:
+            others = _landed(now.feet, leg, narrowest)
+            other = self._solve(now, place, tilt, now.feet, answer.pose, leg, others=others)
+            answers = [answer] if flaw(other) else [answer, other]
+            tried = [self._judge(now, leg, each, touchdown, swing, pace)[0] for each in answers for pace in PACES]
+            best = max(tried, key=lambda lift: lift.clearance)
+        return best
+
+    def _judge(
+        self, now: Situation, leg: str, answer: PoseAnswer, touchdown: BasePose, swing: Swing, pace: float
+    ) -> tuple[Lift, Array]:
+        """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
+        map_ = now.elevation_map
+        lift = Lift(answer, pace, np.inf)
+        shift = [self._limbs.at(map_, _between(now.base, answer.pose, share), now.feet).worst for share in (0.5, 1.0)]
+        motion = lift.motion_to(touchdown, swing)
+        times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
+        feet = [swing.at(time)[0] for time in times]
+        clear = [
+            self._limbs.at(map_, BasePose(*motion.at(time)[0].tolist()), _landed(now.feet, leg, foot)).worst
+            for time, foot in zip(times, feet, strict=True)
+        ]
+        return replace(lift, clearance=min(*shift, *clear)), feet[int(np.argmin(clear))]
+
+    def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
+        """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
+        [m], if its foot's centre were at each of targets (n, 3) and the base went on as the feet's plane rises.
+        """
+        landed = _landed(now.feet, leg, targets[0])
+        rise = -np.tan(plane_tilt(landed @ self._turn)[1])
+        way = self._turn @ [STANCE_ADVANCE, 0.0, STANCE_ADVANCE * rise]
+        x, y, z = (touchdown.position + way).tolist()
+        later = BasePose(x, y, z, touchdown.roll, touchdown.pitch, touchdown.yaw)
+        clear = self._limbs.of_foot(now.elevation_map, later, leg, targets)
+        lengths = self._length(later, leg, targets)
+        return np.asarray(np.maximum(-clear, 0.0) + np.maximum(lengths - LONGEST_LEG, 0.0))
+
+    def reaches(self, pose: BasePose, leg: str, target: Array) -> bool:
+        """Whether a leg is long enough for its foot's centre to be at target (3,)."""
+        return bool(self._length(pose, leg, target) <= LONGEST_LEG + MOST_OVERREACH)
+
+    def _length(self, pose: BasePose, leg: str, targets: Array) -> Array:
+        hip = pose.position + pose.rotation() @ self._legs.hips[LEGS.index(leg)]
+        return self._legs.between(hip, targets)
+
+    def _solve(
+        self,
+        now: Situation,
+        place: Array,
+        tilt: Array,
+        feet: Array,
+        guess: BasePose,
+        leg: str,
+        following: Array | None = None,
+        others: Array | None = None,
+    ) -> PoseAnswer:
+        """others: (4, 3) places of the feet at which limbs have to be clear as well."""
+
+        def limbs(pose: BasePose) -> Clearance:
+            clearance = self._limbs.at(now.elevation_map, pose, feet)
+            return clearance if others is None else clearance.worse(self._limbs.at(now.elevation_map, pose, others))
+
+        problem = PoseProblem(
+            yaw=self._yaw,
+            place=place,
+            tilt=tilt,
+            legs=self._legs,
+            feet=feet,
+            com=now.com,
+            support=counter_clockwise(np.delete(feet, LEGS.index(leg), axis=0)[:, :2]),
+            next_support=following,
+            limbs=limbs,
+        )
+        return optimise_base_pose(problem, guess)
+
+
+def flaw(answer: PoseAnswer) -> str:
+    """What is wrong with a pose, or ""."""
+    if answer.margin < LEAST_MARGIN:
+        return f"no stable pose of the base (centre of mass {100 * answer.margin:.1f} cm inside the support)"
+    if answer.overreach > MOST_OVERREACH:
+        return f"no pose of the base within reach ({100 * answer.overreach:.1f} cm too far)"
+    return ""
+
+
+def _landed(feet: Array, leg: str, target: Array) -> Array:
+    landed = np.array(feet)
+    landed[LEGS.index(leg)] = target
+    return landed
+
+
+def _between(first: BasePose, last: BasePose, share: float) -> BasePose:
+    way = np.array(last.as_list()) - np.array(first.as_list())
+    way[5] = np.angle(np.exp(1j * way[5]))
+    return BasePose(*(np.array(first.as_list()) + share * way).tolist())
