@@ -169,6 +169,9 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     assert len({(str(row.recipe.to_dict()), row.maps) for row in rows}) == len(rows)
     assert rows[0].name == "footsel"
     assert rows[0].recipe.to_dict() == {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
-    assert {row.maps * row.recipe.epochs for row in rows} == {plan["maps"] * plan["epochs"]}  # Equal budgets.
+    # Equal budgets, but for the row that says what a larger one buys.
+    budgets = {row.name: row.maps * row.recipe.epochs for row in rows}
+    assert budgets.pop("twice the maps, as many epochs") == 2 * plan["maps"] * plan["epochs"]
+    assert set(budgets.values()) == {plan["maps"] * plan["epochs"]}
     with pytest.raises(UnknownNameError, match="feature"):
         module.Row.of({**plan, "rows": {"a": {"features": ["luck"]}}}, "a", tmp_path)
