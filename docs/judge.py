@@ -19,7 +19,7 @@ import numpy as np
 from footsel.comparison.maps import built_in_courses
 from footsel.comparison.poses import draw_poses
 from footsel.dataset import Samples, open_dataset
-from footsel.dataset.samples import decode_heights, encode_heights
+from footsel.dataset.labelling import labelled
 from footsel.errors import FootselError, InputError
 from footsel.files import write_json
 from footsel.footholds import Reason
@@ -129,25 +129,13 @@ def _degraded(models: Sequence[EvaluatedModel], samples: Mapping[str, Samples]) 
 def as_compared(found: EvaluatedModel) -> Samples:
     """Maps of the trained leg at base poses that `footsel compare` would draw on built-in courses, labelled."""
     oracle, layout, leg = Oracle.load(found.robot), found.layout, TRAINED_LEG[found.pair]
-    maps, poses, families = [], [], []
+    rows, families = [], []
     for index, course in enumerate(built_in_courses(SEED)):
         for pose in draw_poses(np.random.default_rng([SEED, index]), course.elevation_map, layout, POSES):
-            maps.append(layout.local_map(course.elevation_map, pose, leg).heights)
-            poses.append([pose.x, pose.y, pose.z, pose.roll, pose.pitch, pose.yaw])
+            rows.append(labelled(oracle, layout.local_map(course.elevation_map, pose, leg), leg, pose))
             families.append(course.name)
-    steps = encode_heights(np.stack(maps))
-    labels = [
-        oracle.label(LocalMap(heights, layout.resolution, np.zeros(3), 0.0), leg, *pose[3:5])
-        for heights, pose in zip(decode_heights(steps), poses, strict=True)
-    ]
-    return Samples(
-        heights_tenth_mm=steps,
-        cost=np.stack([label.cost_image for label in labels]),
-        reason=np.stack([label.reason for label in labels]),
-        pose=np.array(poses, dtype=np.float32),
-        family=np.array(families),
-        course=np.full(len(poses), SEED),
-    )
+    fields = map(np.stack, zip(*rows, strict=True))
+    return Samples(*fields, family=np.array(families), course=np.full(len(rows), SEED))
 
 
 def _oracle_picks(samples: Samples, found: EvaluatedModel, degradation: Degradation) -> dict[str, Any]:

@@ -103,10 +103,8 @@ def _seen(
     layout, whole = robot.layout, LegSkeleton.of(robot, TRAINED_LEG[PAIR])
     skeleton = with_best_balls(whole, samples, layout, balls)
     skeleton = replace(skeleton, radius=thickness * skeleton.radius)
-    layer, encoding = (
-        LegClearance(layout, skeleton, beyond, fall),
-        InputEncoding(PLANES, False, layout.height_range),
-    )
+    layer = LegClearance(layout, skeleton, beyond, fall)
+    encoding = InputEncoding(PLANES, False, layout.height_range)
     parts = []
     for start in range(0, len(samples), 100):
         some = samples.take(slice(start, start + 100))

@@ -333,10 +333,11 @@ GAINS = (
     ("centre of mass inside the support [m]", "control.base_pose", ["STABILITY_MARGIN"], _FREE_GAIT),
     ("longest leg, hip point to foot [m]", "control.base_pose", ["LONGEST_LEG"], "0.564 m is the stretched leg"),
     ("stride [m]", "gait.planner", ["STRIDE"], _OURS),
-    ("height of the base over its feet [m]", "gait.planner", ["HEIGHT"], _OURS),
-    ("share of the ground's tilt that the base takes", "gait.planner", ["TILT_SHARE"], _OURS),
+    ("height of the base over its feet [m]", "gait.stance", ["HEIGHT"], _OURS),
+    ("share of the ground's tilt that the base takes", "gait.poses", ["TILT_SHARE"], _OURS),
     ("swing: clearance over the map [m]", "gait.swing", ["CLEARANCE"], _OURS),
-    ("touchdown: felt from [N], speed [m/s]", "gait.walker", ["TOUCHDOWN_FORCE", "TOUCHDOWN_SPEED"], _OURS),
+    ("touchdown: felt from [N]", "gait.walker", ["TOUCHDOWN_FORCE"], _OURS),
+    ("touchdown: speed [m/s]", "gait.swing", ["TOUCHDOWN_SPEED"], _OURS),
 )
 
 

@@ -1,10 +1,12 @@
 """What a worker does: the samples of one shard, from (seed, pair, number of the shard) alone."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from threading import Lock
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footsel.dataset.config import DatasetConfig
 from footsel.dataset.samples import Samples, decode_heights, encode_heights
@@ -50,12 +52,18 @@ def _draw(config: DatasetConfig, pair: str, number: int) -> Iterator[tuple[Any, 
         cells = local_map.heights
         if rng.random() < sampling.holes:
             cells = punch_holes(cells, rng)
-        # The stored heights and pose are what the label is made for, to the last bit.
-        steps = encode_heights(cells)
-        kept = np.array(pose.as_list(), dtype=np.float32)
-        rounded = LocalMap(decode_heights(steps), local_map.resolution, local_map.hip, local_map.yaw)
-        label = oracle.label(rounded, leg, float(kept[3]), float(kept[4]))
-        yield steps, label.cost_image, label.reason, kept, family, seed
+        yield *labelled(oracle, replace(local_map, heights=cells), leg, pose), family, seed
+
+
+def labelled(oracle: Oracle, local_map: LocalMap, leg: str, pose: BasePose) -> tuple[NDArray[Any], ...]:
+    """heights_tenth_mm, cost, reason and pose of a sample: one leg's local map of the base at a pose.
+
+    The heights and the pose that are kept are what the label is made for, to the last bit.
+    """
+    steps = encode_heights(local_map.heights)
+    kept = np.array(pose.as_list(), dtype=np.float32)
+    label = oracle.label(replace(local_map, heights=decode_heights(steps)), leg, float(kept[3]), float(kept[4]))
+    return steps, label.cost_image, label.reason, kept
 
 
 def _local_map(config: DatasetConfig, layout: LegLayout, course: ElevationMap, pose: BasePose, leg: str) -> LocalMap:

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import coal
 import numpy as np
 from numpy.typing import NDArray
 
 from footsel.oracle.swing_bodies import SwingBodies
 from footsel.robot import Robot
+from footsel.robot.medial_axis import medial_axis
 
 #: Balls along a body are at most this far apart, in cells of the local map.
 SPACING = 3.5
@@ -59,7 +59,8 @@ class LegSkeleton:
         for body, link, rotation, centre in zip(
             bodies.bodies, bodies.link, bodies.rotation, bodies.centre, strict=True
         ):
-            axis, half_length, radius = _medial_axis(body.shape)
+            axis, half_length, widths = medial_axis(body.shape)
+            radius = float(widths.mean())
             farthest = max(half_length - radius, 0.0)
             count = 1 + int(np.ceil(2 * farthest / (SPACING * robot.layout.resolution)))
             for along in np.linspace(-farthest, farthest, count):
@@ -91,20 +92,3 @@ class LegSkeleton:
             key: np.array(value) if isinstance(value, list) else value for key, value in values.items()
         }
         return cls(**arrays)
-
-
-def _medial_axis(shape: Any) -> tuple[int, float, float]:
-    """Index of a body's longest axis, half its length, and the radius of balls that fill the body along it, in [m]."""
-    if isinstance(shape, coal.Sphere):
-        return 2, 0.0, float(shape.radius)
-    if isinstance(shape, coal.Cylinder):
-        return 2, float(shape.halfLength), float(shape.radius)
-    if isinstance(shape, coal.Capsule):
-        return 2, float(shape.halfLength + shape.radius), float(shape.radius)
-    if not isinstance(shape, coal.Box):
-        shape.computeLocalAABB()
-        half = np.asarray(shape.aabb_local.max_ - shape.aabb_local.min_) / 2
-    else:
-        half = np.asarray(shape.halfSide)
-    axis = int(np.argmax(half))
-    return axis, float(half[axis]), float(np.mean(np.delete(half, axis)))

@@ -22,7 +22,6 @@ THRESHOLDS: tuple[float, ...] = tuple(np.round(1 / (1 + np.exp(-np.arange(9, -28
 MOST_INFEASIBLE_PICKS = 0.007
 MOST_MISSED = 0.01
 
-
 #: Roll and pitch of the base that a threshold is chosen for, as far as `footsel compare` tilts it. [rad]
 USUAL_TILT = float(np.deg2rad(10.0))
 

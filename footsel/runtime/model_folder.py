@@ -99,7 +99,8 @@ def read_checked(folder: Path, keep: tuple[str, ...]) -> dict[str, bytes]:
     for name in keep:
         if name not in sums:
             offered = ", ".join(available_variants(folder)) or "none"
-            raise ModelError(f"{folder / SUMS_FILE} does not list {name}", f"variants of this model: {offered}")
+            remedy = f"variants of this model: {offered}" if name.endswith(".onnx") else "give one exported with it"
+            raise ModelError(f"{folder / SUMS_FILE} does not list {name}", remedy)
     contents = {}
     for name, digest in sums.items():
         try:

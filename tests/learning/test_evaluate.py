@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from footsel.comparison.poses import TILT
 from footsel.footholds import BasePose, CellScores, Reason, choose
 from footsel.footholds.cost import CLASSES, softmax
 from footsel.learning.degraded import Degradation
@@ -211,3 +212,4 @@ def test_a_threshold_is_chosen_for_bases_that_are_not_tilted_far(samples):
     assert np.flatnonzero(~usual(replace(samples, pose=pose))).tolist() == [1, 2]
     pose[:, 4] = 0.25
     assert usual(replace(samples, pose=pose)).all()
+    assert pytest.approx(TILT) == USUAL_TILT  # As far as `footsel compare` tilts it.

@@ -23,6 +23,7 @@ from footsel.learning.checkpoint import load_network, network_predictor
 from footsel.learning.loss import LABEL_CLASS
 from footsel.learning.predictions import predict_all
 from footsel.learning.recipe import Recipe
+from footsel.learning.threshold import threshold_curve
 from footsel.learning.train import fit
 
 QUICK = {name: replace(Recipe.load(name), epochs=2, batch_size=8) for name in ("paper", "footsel")}
@@ -201,3 +202,19 @@ def test_the_average_follows_the_weights(data, tmp_path):
     assert info["in_channels"] == 4
     for name, tensor in plain.items():
         np.testing.assert_allclose(average[name].numpy(), tensor.numpy(), rtol=1e-5, atol=1e-7)
+
+
+def test_the_threshold_is_chosen_on_bases_that_are_not_tilted_far(data, tmp_path, monkeypatch):
+    pose = data.validation.pose.copy()
+    pose[:, 3:5] = 0
+    pose[[1, 4], 3] = 0.25
+    asked = []
+
+    def record(predictions, samples, layout, leg):
+        asked.append(samples.pose)
+        return threshold_curve(predictions, samples, layout, leg)
+
+    monkeypatch.setattr(training, "threshold_curve", record)
+    recipe = replace(QUICK["footsel"], epochs=1)
+    fit(replace(data, validation=replace(data.validation, pose=pose)), tmp_path / "front", recipe)
+    np.testing.assert_array_equal(asked, [pose[[0, 2, 3, 5]]])

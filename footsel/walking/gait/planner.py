@@ -12,12 +12,10 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.poses import TILT_SHARE, Lift, Situation, StepPoses, flaw
-from footsel.walking.gait.stance import HEIGHT, places
+from footsel.walking.gait.poses import Lift, Situation, StepPoses, flaw
+from footsel.walking.gait.stance import places
 from footsel.walking.gait.swing import plan_swing
 from footsel.walking.observer import Choice
-
-__all__ = ["HEIGHT", "ORDER", "STRIDE", "TILT_SHARE", "NoStep", "Step", "StepPlanner"]
 
 Array = NDArray[np.float64]
 
@@ -195,11 +193,11 @@ class StepPlanner:
         leave room for the other side.
         """
         assert choice.position is not None and choice.final_cost is not None
-        places = np.array([choice.position, *(each.position for each in choice.alternatives)])
+        points = np.array([choice.position, *(each.position for each in choice.alternatives)])
         costs = np.array([choice.final_cost, *(each.final_cost for each in choice.alternatives)])
-        lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, places + self._to_centre)
-        lack += np.maximum(ENOUGH_WIDTH - self._width(leg, places), 0.0)
-        return np.asarray(places[np.argmin(costs + LACK_WEIGHT * lack)])
+        lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, points + self._to_centre)
+        lack += np.maximum(ENOUGH_WIDTH - self._width(leg, points), 0.0)
+        return np.asarray(points[np.argmin(costs + LACK_WEIGHT * lack)])
 
     def _width(self, leg: str, points: Array) -> Array:
         """(...,) how far points (..., 3) are on a leg's own side of the line, in [m]."""

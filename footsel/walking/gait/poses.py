@@ -119,12 +119,12 @@ class StepPoses:
         """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
         map_ = now.elevation_map
         lift = Lift(answer, pace, np.inf)
-        shift = [self._limbs.at(map_, _between(now.base, answer.pose, share), now.feet).worst for share in (0.5, 1.0)]
+        shift = [self._limbs.worst(map_, _between(now.base, answer.pose, share), now.feet) for share in (0.5, 1.0)]
         motion = lift.motion_to(touchdown, swing)
         times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
         feet = [swing.at(time)[0] for time in times]
         clear = [
-            self._limbs.at(map_, BasePose(*motion.at(time)[0].tolist()), _landed(now.feet, leg, foot)).worst
+            self._limbs.worst(map_, BasePose(*motion.at(time)[0].tolist()), _landed(now.feet, leg, foot))
             for time, foot in zip(times, feet, strict=True)
         ]
         return replace(lift, clearance=min(*shift, *clear)), feet[int(np.argmin(clear))]

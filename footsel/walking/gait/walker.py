@@ -20,12 +20,10 @@ from footsel.walking.control.quintic import Quintic
 from footsel.walking.control.whole_body import Task, whole_body_effort
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.planner import NoStep, Step, StepPlanner
-from footsel.walking.gait.swing import TOUCHDOWN_SPEED, Swing, plan_swing
+from footsel.walking.gait.swing import Swing, plan_swing
 from footsel.walking.observer import Choice
 from footsel.walking.state import RobotState
 from footsel.walking.vectors import length
-
-__all__ = ["TOUCHDOWN_SPEED", "Phase", "Walker", "ground_normal"]
 
 Array = NDArray[np.float64]
 

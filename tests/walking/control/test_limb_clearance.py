@@ -107,3 +107,10 @@ def test_one_foot_at_many_places_is_that_leg_at_each():
         feet = FEET.copy()
         feet[2] = place
         assert value == pytest.approx(at(POSE, bumpy, feet).least[2].min())
+
+
+def test_the_worst_limb_is_the_same_without_rates():
+    rng = np.random.default_rng(1)
+    bumpy = ground(lambda heights, x, y: (0.1 * np.cos(9 * x) * np.cos(7 * y)).astype(np.float32))
+    for shift in rng.uniform(-0.05, 0.05, (5, 5)):
+        assert LIMBS.worst(bumpy, BasePose(*(POSE + shift), 0.0), FEET) == at(POSE + shift, bumpy).worst
