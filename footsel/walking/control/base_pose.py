@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 STABILITY_MARGIN = 0.055
 #: Within the leg's plane: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
 LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
+#: A swinging leg may be shorter, but the nearer its foot comes to the hip, the faster its joints have to turn, and the
+#: harder the base is pushed: at 0.1 m the robot falls. [m]
+FOLDED_LEG = 0.18
 #: The base tilts no further. [rad]
 STEEPEST = 0.4
 #: A leg longer than this is told to shorten, if it costs little: the base goes down where feet stand on different
@@ -54,6 +57,7 @@ class PoseProblem:
     support: (k, 2) corners, counter-clockwise, that the centre of mass lies over.
     next_support: the same of the step to come: met as far as `support` and `reach` allow.
     limbs: how clear of the ground thighs and shanks are at a pose, with the feet where they are.
+    passing: (4, 3) where the feet will be as one of them swings by: no leg should be folded then.
     margin: how far inside, in [m].
     """
 
@@ -66,6 +70,7 @@ class PoseProblem:
     support: Array
     next_support: Array | None = None
     limbs: Callable[[BasePose], Clearance] | None = None
+    passing: Array | None = None
     margin: float = STABILITY_MARGIN
 
 
@@ -132,6 +137,11 @@ def _step(problem: PoseProblem, values: Array) -> Array:
         bound(-row, REACH, length - LONGEST_LEG)
         bound(-row, COMFORT.start + k, length - COMFORTABLE_LEG)
         bound(row, REACH, SHORTEST_LEG - length)
+    if problem.passing is not None:
+        for k, foot in enumerate(problem.passing):
+            leg = moved[1 + k] - foot
+            length = float(problem.legs.between(moved[1 + k], foot))
+            bound(leg / length @ jacobians[1 + k], REACH, FOLDED_LEG - length)
     if problem.limbs is not None:
         limbs = problem.limbs(_pose(problem, values))
         for k, limb in np.argwhere(limbs.least < FAR):

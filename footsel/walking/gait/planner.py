@@ -12,6 +12,7 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
+from footsel.walking.gait.narrow_holes import without_narrow_holes
 from footsel.walking.gait.poses import Lift, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import places
 from footsel.walking.gait.swing import plan_swing
@@ -90,7 +91,7 @@ class StepPlanner:
         feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
         com: (3,) centre of mass in the base frame, in [m].
         """
-        now = Situation(elevation_map, feet, base, com)
+        now = Situation(elevation_map, without_narrow_holes(elevation_map), feet, base, com)
         reasons: dict[str, str] = {}
         step = self._choose(time, now, reasons, thorough=False) or self._choose(time, now, reasons, thorough=True)
         if step is None:
@@ -140,7 +141,7 @@ class StepPlanner:
             return NoStep("the foothold is beyond the leg's reach")
         if self._width(leg, target) < LEAST_WIDTH:
             return NoStep("the foothold is too near to the other side's feet")
-        swing = plan_swing(now.elevation_map, time, now.feet[LEGS.index(leg)], target, self._radius)
+        swing = plan_swing(now.obstacles, time, now.feet[LEGS.index(leg)], target, self._radius)
         lift = self._poses.at_lift(now, leg, touchdown, swing)
         if problem := flaw(lift.answer):
             return NoStep(problem)

@@ -10,7 +10,7 @@ from footsel.footholds.pose import heading_rotation
 from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.terrain import ElevationMap
-from footsel.walking.control.base_pose import LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
+from footsel.walking.control.base_pose import FOLDED_LEG, LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
 from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import Clearance, LimbClearance
 from footsel.walking.control.quintic import Quintic
@@ -37,11 +37,13 @@ LEAST_MARGIN, MOST_OVERREACH = 0.025, 0.012
 class Situation:
     """What a step starts from.
 
-    elevation_map: as known now. feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
+    elevation_map: as known now. obstacles: the same as limbs and the swinging foot should see it.
+    feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
     com: (3,) centre of mass in the base frame, in [m].
     """
 
     elevation_map: ElevationMap
+    obstacles: ElevationMap
     feet: Array
     base: BasePose
     com: Array
@@ -50,7 +52,8 @@ class Situation:
 @dataclass(frozen=True)
 class Lift:
     """answer: the pose of the base when a leg lifts. pace: in which share of the swing the base goes on from there to
-    its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, in [m].
+    its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, or of
+    the swinging leg from being folded, in [m].
     """
 
     answer: PoseAnswer
@@ -117,15 +120,16 @@ class StepPoses:
         self, now: Situation, leg: str, answer: PoseAnswer, touchdown: BasePose, swing: Swing, pace: float
     ) -> tuple[Lift, Array]:
         """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
-        map_ = now.elevation_map
+        map_ = now.obstacles
         lift = Lift(answer, pace, np.inf)
         shift = [self._limbs.worst(map_, _between(now.base, answer.pose, share), now.feet) for share in (0.5, 1.0)]
         motion = lift.motion_to(touchdown, swing)
         times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
         feet = [swing.at(time)[0] for time in times]
+        poses = [BasePose(*motion.at(time)[0].tolist()) for time in times]
         clear = [
-            self._limbs.worst(map_, BasePose(*motion.at(time)[0].tolist()), _landed(now.feet, leg, foot))
-            for time, foot in zip(times, feet, strict=True)
+            min(self._limbs.worst(map_, pose, _landed(now.feet, leg, foot)), self._length(pose, leg, foot) - FOLDED_LEG)
+            for pose, foot in zip(poses, feet, strict=True)
         ]
         return replace(lift, clearance=min(*shift, *clear)), feet[int(np.argmin(clear))]
 
@@ -138,7 +142,7 @@ class StepPoses:
         way = self._turn @ [STANCE_ADVANCE, 0.0, STANCE_ADVANCE * rise]
         x, y, z = (touchdown.position + way).tolist()
         later = BasePose(x, y, z, touchdown.roll, touchdown.pitch, touchdown.yaw)
-        clear = self._limbs.of_foot(now.elevation_map, later, leg, targets)
+        clear = self._limbs.of_foot(now.obstacles, later, leg, targets)
         lengths = self._length(later, leg, targets)
         return np.asarray(np.maximum(-clear, 0.0) + np.maximum(lengths - LONGEST_LEG, 0.0))
 
@@ -161,11 +165,11 @@ class StepPoses:
         following: Array | None = None,
         others: Array | None = None,
     ) -> PoseAnswer:
-        """others: (4, 3) places of the feet at which limbs have to be clear as well."""
+        """others: (4, 3) places of the feet at which limbs have to be clear, and legs not folded, as well."""
 
         def limbs(pose: BasePose) -> Clearance:
-            clearance = self._limbs.at(now.elevation_map, pose, feet)
-            return clearance if others is None else clearance.worse(self._limbs.at(now.elevation_map, pose, others))
+            clearance = self._limbs.at(now.obstacles, pose, feet)
+            return clearance if others is None else clearance.worse(self._limbs.at(now.obstacles, pose, others))
 
         problem = PoseProblem(
             yaw=self._yaw,
@@ -177,6 +181,7 @@ class StepPoses:
             support=counter_clockwise(np.delete(feet, LEGS.index(leg), axis=0)[:, :2]),
             next_support=following,
             limbs=limbs,
+            passing=others,
         )
         return optimise_base_pose(problem, guess)
 

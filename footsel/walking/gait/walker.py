@@ -19,6 +19,7 @@ from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.quintic import Quintic
 from footsel.walking.control.whole_body import Task, whole_body_effort
 from footsel.walking.gait.line import Line
+from footsel.walking.gait.narrow_holes import without_narrow_holes
 from footsel.walking.gait.planner import NoStep, Step, StepPlanner
 from footsel.walking.gait.swing import Swing, plan_swing
 from footsel.walking.observer import Choice
@@ -169,7 +170,7 @@ class Walker:
         self.phase = Phase.SWING
 
     def _planned_swing(self, time: float, foot: Array, goal: Array) -> Swing:
-        return plan_swing(self._map(), time, foot, goal, self._radius)
+        return plan_swing(without_narrow_holes(self._map()), time, foot, goal, self._radius)
 
     def _watch_swing(self, state: RobotState) -> None:
         """Touchdown, early or late, or no ground at all."""
