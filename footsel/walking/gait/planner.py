@@ -12,8 +12,7 @@ from footsel.robot.robot import Robot
 from footsel.selectors import Selector
 from footsel.terrain import ElevationMap
 from footsel.walking.gait.line import Line
-from footsel.walking.gait.narrow_holes import without_narrow_holes
-from footsel.walking.gait.poses import Lift, Situation, StepPoses, flaw
+from footsel.walking.gait.poses import LEAST_BALANCE, Lift, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import places
 from footsel.walking.gait.swing import plan_swing
 from footsel.walking.observer import Choice
@@ -91,7 +90,7 @@ class StepPlanner:
         feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
         com: (3,) centre of mass in the base frame, in [m].
         """
-        now = Situation(elevation_map, without_narrow_holes(elevation_map), feet, base, com)
+        now = Situation(elevation_map, feet, base, com)
         reasons: dict[str, str] = {}
         step = self._choose(time, now, reasons, thorough=False) or self._choose(time, now, reasons, thorough=True)
         if step is None:
@@ -143,10 +142,8 @@ class StepPlanner:
             return NoStep("the foothold is too near to the other side's feet")
         swing = plan_swing(now.obstacles, time, now.feet[LEGS.index(leg)], target, self._radius)
         lift = self._poses.at_lift(now, leg, touchdown, swing)
-        if problem := flaw(lift.answer):
+        if problem := _problem(lift):
             return NoStep(problem)
-        if lift.clearance < -LARGEST_LACK:
-            return NoStep("a thigh or a shank would touch the ground on the way")
         return Step(leg, foothold, target, lift, touchdown)
 
     def _foothold(
@@ -207,6 +204,15 @@ class StepPlanner:
 
 def _after(leg: str, turns: int) -> str:
     return ORDER[(ORDER.index(leg) + turns) % 4]
+
+
+def _problem(lift: Lift) -> str:
+    """What is wrong with the way of a step, or ""."""
+    if problem := flaw(lift.answer):
+        return problem
+    if lift.clearance < -LARGEST_LACK:
+        return "a thigh or a shank would touch the ground on the way, or the leg be folded"
+    return "" if lift.balance >= LEAST_BALANCE else "the base would have to move so fast that the robot tips over"
 
 
 def _near(pose: BasePose, other: BasePose) -> bool:

@@ -10,10 +10,18 @@ from footsel.footholds.pose import heading_rotation
 from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.terrain import ElevationMap
-from footsel.walking.control.base_pose import FOLDED_LEG, LONGEST_LEG, PoseAnswer, PoseProblem, optimise_base_pose
+from footsel.walking.control.base_pose import (
+    FOLDED_LEG,
+    LONGEST_LEG,
+    PoseAnswer,
+    PoseProblem,
+    inward_edges,
+    optimise_base_pose,
+)
 from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import Clearance, LimbClearance
 from footsel.walking.control.quintic import Quintic
+from footsel.walking.gait.narrow_holes import without_narrow_holes
 from footsel.walking.gait.stance import HEIGHT, counter_clockwise, places, plane_tilt
 from footsel.walking.gait.swing import Swing
 
@@ -31,34 +39,41 @@ SWING_SAMPLES = 20
 PACES = (1.0, 0.6)
 #: A pose is good enough for a step if the base is this far inside the support, and legs are too long by no more. [m]
 LEAST_MARGIN, MOST_OVERREACH = 0.025, 0.012
+#: While the base hurries, the zero-moment point stays so far inside the support: a foot that should stand lifts off
+#: else, and the robot falls. [m], [m/s^2]
+LEAST_BALANCE, GRAVITY = 0.005, 9.81
 
 
 @dataclass(frozen=True, eq=False)
 class Situation:
     """What a step starts from.
 
-    elevation_map: as known now. obstacles: the same as limbs and the swinging foot should see it.
-    feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
+    elevation_map: as known now. feet: (4, 3) centres of the standing feet, by LEGS, in W, in [m]. base: its pose.
     com: (3,) centre of mass in the base frame, in [m].
     """
 
     elevation_map: ElevationMap
-    obstacles: ElevationMap
     feet: Array
     base: BasePose
     com: Array
+
+    @property
+    def obstacles(self) -> ElevationMap:
+        """What limbs and the swinging foot keep clear of."""
+        return without_narrow_holes(self.elevation_map)
 
 
 @dataclass(frozen=True)
 class Lift:
     """answer: the pose of the base when a leg lifts. pace: in which share of the swing the base goes on from there to
     its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, or of
-    the swinging leg from being folded, in [m].
+    the swinging leg from being folded, in [m]. balance: how far inside the support the zero-moment point stays, in [m].
     """
 
     answer: PoseAnswer
     pace: float
     clearance: float
+    balance: float
 
     def motion_to(self, touchdown: BasePose, swing: Swing) -> Quintic:
         """Of the base (6,) during the swing, if it passes the pose at lift at its speed."""
@@ -108,12 +123,12 @@ class StepPoses:
         place = touchdown.position + share * back
         answer = self._solve(now, place, tilt, now.feet, touchdown, leg)
         best, narrowest = self._judge(now, leg, answer, touchdown, swing, PACES[0])
-        if best.clearance < 0:
+        if best.clearance < 0 or best.balance < LEAST_BALANCE:
             others = _landed(now.feet, leg, narrowest)
             other = self._solve(now, place, tilt, now.feet, answer.pose, leg, others=others)
             answers = [answer] if flaw(other) else [answer, other]
             tried = [self._judge(now, leg, each, touchdown, swing, pace)[0] for each in answers for pace in PACES]
-            best = max(tried, key=lambda lift: lift.clearance)
+            best = max(tried, key=lambda lift: (min(lift.balance, LEAST_BALANCE), lift.clearance))
         return best
 
     def _judge(
@@ -121,17 +136,19 @@ class StepPoses:
     ) -> tuple[Lift, Array]:
         """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
         map_ = now.obstacles
-        lift = Lift(answer, pace, np.inf)
+        lift = Lift(answer, pace, np.inf, np.inf)
         shift = [self._limbs.worst(map_, _between(now.base, answer.pose, share), now.feet) for share in (0.5, 1.0)]
         motion = lift.motion_to(touchdown, swing)
         times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
         feet = [swing.at(time)[0] for time in times]
-        poses = [BasePose(*motion.at(time)[0].tolist()) for time in times]
+        states = [motion.at(time) for time in times]
+        poses = [BasePose(*state[0].tolist()) for state in states]
         clear = [
             min(self._limbs.worst(map_, pose, _landed(now.feet, leg, foot)), self._length(pose, leg, foot) - FOLDED_LEG)
             for pose, foot in zip(poses, feet, strict=True)
         ]
-        return replace(lift, clearance=min(*shift, *clear)), feet[int(np.argmin(clear))]
+        balance = _balance(now, leg, poses, np.array([state[2][:2] for state in states]))
+        return replace(lift, clearance=min(*shift, *clear), balance=balance), feet[int(np.argmin(clear))]
 
     def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
         """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
@@ -193,6 +210,19 @@ def flaw(answer: PoseAnswer) -> str:
     if answer.overreach > MOST_OVERREACH:
         return f"no pose of the base within reach ({100 * answer.overreach:.1f} cm too far)"
     return ""
+
+
+def _balance(now: Situation, leg: str, poses: list[BasePose], accelerations: Array) -> float:
+    """How far inside the support of the other legs the zero-moment point stays, in [m].
+
+    accelerations: (n, 2) of the base in W, at each of the poses, in [m/s^2].
+    """
+    standing = np.delete(now.feet, LEGS.index(leg), axis=0)
+    com = np.array([pose.position + pose.rotation() @ now.com for pose in poses])
+    height = com[:, 2:] - standing[:, 2].mean()
+    points = com[:, :2] - height / GRAVITY * accelerations
+    normals, offsets = inward_edges(counter_clockwise(standing[:, :2]))
+    return float((points @ normals.T - offsets).min())
 
 
 def _landed(feet: Array, leg: str, target: Array) -> Array:

@@ -54,6 +54,22 @@ def test_no_pose_near_it_is_better():
     assert price(best) <= min(others) + 1e-6
 
 
+def test_it_keeps_away_from_a_foot_that_swings_by():
+    """A foot lifted to 16 cm below its hip: the base goes out of its way, and no further than it has to."""
+    plain = problem()
+    free = optimise_base_pose(plain, BasePose(0, 0, 0.45)).pose
+    passing = FEET.copy()
+    passing[0] = free.position + free.rotation() @ HIPS[0] - [0.0, 0.0, 0.16]
+
+    def length(pose):
+        return float(LENGTHS.between(pose.position + pose.rotation() @ HIPS[0], passing[0]))
+
+    aware = optimise_base_pose(replace(plain, passing=passing), free)
+    assert length(free) < base_pose.FOLDED_LEG - 0.02
+    assert length(aware.pose) == pytest.approx(base_pose.FOLDED_LEG, abs=5e-3)
+    assert aware.margin > STABILITY_MARGIN - 5e-3
+
+
 def test_feet_out_of_reach_are_said_to_be():
     far = FEET * [2.4, 2.4, 1.0]
     answer = optimise_base_pose(problem(far), BasePose(0, 0, 0.45))

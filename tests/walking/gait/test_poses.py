@@ -7,10 +7,10 @@ from footsel.footholds import BasePose
 from footsel.legs import LEGS
 from footsel.robot import load_robot
 from footsel.terrain import ElevationMap
-from footsel.walking.control.base_pose import LONGEST_LEG
+from footsel.walking.control.base_pose import FOLDED_LEG, LONGEST_LEG
 from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import LimbClearance
-from footsel.walking.gait.poses import LEAST_MARGIN, STANCE_ADVANCE, Situation, StepPoses, flaw
+from footsel.walking.gait.poses import LEAST_BALANCE, LEAST_MARGIN, STANCE_ADVANCE, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import HEIGHT, places
 from footsel.walking.gait.swing import plan_swing
 
@@ -101,3 +101,30 @@ def test_a_foothold_that_the_base_will_leave_behind_lacks_length():
     legs = LegLength(ROBOT)
     hip = BASE.position + legs.hips[LEGS.index("LH")] + [STANCE_ADVANCE, 0.0, 0.0]
     assert lacks[0] == 0 and lacks[1] == pytest.approx(float(legs.between(hip, targets[1])) - LONGEST_LEG, abs=5e-3)
+
+
+def test_a_leg_that_folds_on_its_way_is_noticed():
+    """A wall between foot and foothold that the hip is hardly above."""
+    wall = ground(lambda heights, x: heights.__setitem__(np.abs(x + 0.26) < 0.03, 0.25))
+    now, poses, legs = Situation(wall, FEET, BasePose(0.0, 0.0, 0.40), COM), StepPoses(ROBOT, 0.0), LegLength(ROBOT)
+    target = FEET[2] + [0.2, 0.0, 0.0]
+    touchdown = poses.at_touchdown(now, "LH", target, "LF", 0.10).pose
+    swing = plan_swing(wall, 0.0, FEET[2], target, RADIUS)
+    lift = poses.at_lift(now, "LH", touchdown, swing)
+    motion = lift.motion_to(touchdown, swing)
+    for time in np.linspace(swing.start, swing.end, 50).tolist():
+        base = BasePose(*motion.at(time)[0].tolist())
+        hip = base.position + base.rotation() @ legs.hips[LEGS.index("LH")]
+        assert legs.between(hip, swing.at(time)[0]) - FOLDED_LEG > lift.clearance - 0.01
+
+
+def test_a_base_that_has_to_hurry_out_of_its_support_is_out_of_balance():
+    """Balance at rest is the margin of the centre of mass; a long way within one swing takes it away."""
+    now, poses = Situation(ground(), FEET, BASE, COM), StepPoses(ROBOT, 0.0)
+    near = poses.at_touchdown(now, "LH", FEET[2], "LF", 0.0)
+    swing = plan_swing(ground(), 0.0, FEET[2], FEET[2] + [0.2, 0.0, 0.0], RADIUS)
+    still = poses.at_lift(now, "LH", near.pose, swing)
+    assert LEAST_BALANCE < still.balance <= still.answer.margin + 1e-6
+    x, y, z, *turn = near.pose.as_list()
+    far = BasePose(x + 0.4, y, z, *turn)
+    assert poses.at_lift(now, "LH", far, swing).balance < LEAST_BALANCE
