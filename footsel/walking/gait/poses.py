@@ -143,12 +143,11 @@ class StepPoses:
         feet = [swing.at(time)[0] for time in times]
         states = [motion.at(time) for time in times]
         poses = [BasePose(*state[0].tolist()) for state in states]
-        clear = [
-            min(self._limbs.worst(map_, pose, _landed(now.feet, leg, foot)), self._length(pose, leg, foot) - FOLDED_LEG)
-            for pose, foot in zip(poses, feet, strict=True)
-        ]
+        ways = list(zip(poses, feet, strict=True))
+        limbs = np.array([self._limbs.worst(map_, pose, _landed(now.feet, leg, foot)) for pose, foot in ways])
+        clear = np.minimum(limbs, [float(self._length(pose, leg, foot)) - FOLDED_LEG for pose, foot in ways])
         balance = _balance(now, leg, poses, np.array([state[2][:2] for state in states]))
-        return replace(lift, clearance=min(*shift, *clear), balance=balance), feet[int(np.argmin(clear))]
+        return replace(lift, clearance=min(*shift, float(clear.min())), balance=balance), feet[int(np.argmin(clear))]
 
     def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
         """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
