@@ -291,12 +291,13 @@ def drifted(rise, worlds):
     """A map of one plane laid at the start and one laid after a drift up and down again, in [m], and where they lie."""
     mapping = ElevationMapping(UNBOUNDED)
     corners = np.array([[-1, -1], [-1, 1], [0, -1], [0, 1]])
+    ahead = np.array([1, 0])
     uncertain = np.zeros((6, 6))
     mapping.move(worlds.base_at(0, 0))
     mapping.lay_plane(np.column_stack([corners, np.zeros(4)]), 0.0, 1e-6)
     uncertain[2, 2] = 0.02**2
     mapping.move(worlds.base_at(0, 0), uncertain)
-    mapping.lay_plane(np.column_stack([corners + [1, 0], np.full(4, rise)]), 0.0, 1e-6)
+    mapping.lay_plane(np.column_stack([corners + ahead, np.full(4, rise)]), 0.0, 1e-6)
     x, y = np.meshgrid(mapping.elevation_map().x(), mapping.elevation_map().y(), indexing="ij")
     inside = np.abs(y) < 0.9
     return mapping, inside & (x > -0.9) & (x < -0.1), inside & (x > 0.1) & (x < 0.9)

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 APPROACH, APPROACH_STEP, APPROACH_SPEED = 0.6, 0.1, 0.05
 #: Where it came from, the ground that it stood on went on for this far around its feet, in [m], known to 1 cm.
 APRON, APRON_VARIANCE = 0.4, 0.01**2
-#: A foot that is pushed up so hard stands on the ground, in [N], and its sole is as high as that, but for how uneven the
-#: ground under it is and how well the legs are known, in [m^2]: an assumption.
+#: A foot that is pushed up so hard stands on the ground. Its sole is as high as the ground, but for how uneven that is
+#: and how well the legs are known: assumptions. [N], [m^2]
 STANDING_FORCE, SOLE_VARIANCE = 20.0, 0.005**2
 
 
@@ -47,6 +47,7 @@ class CameraMap(MapSource):
     No camera sees the ground under the robot and just ahead of its feet. So the robot has walked up to its start: the
     map is made along the last 60 cm before it. Where that began, the robot was told that it stood on even ground: the
     map starts as the plane through its soles, known to 1 cm, as ANYbotics' elevation mapping does it.
+    On the way, the feet that stand say how far the map has drifted since the ground around them was seen.
     """
 
     def __init__(

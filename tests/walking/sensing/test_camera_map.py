@@ -114,7 +114,7 @@ def test_images_are_taken_when_they_are_due(robot, stance, simulate, monkeypatch
 def test_feet_that_stand_tell_how_high_the_ground_is_and_those_in_the_air_do_not(robot, stance, simulate):
     base, joints = stance
     covariance = np.zeros((6, 6))
-    source = CameraMap(robot, simulate("flat"), lambda: covariance.copy(), np.random.default_rng(0), SMALL)
+    source = CameraMap(robot, simulate("flat"), covariance.copy, np.random.default_rng(0), SMALL)
     source.update(0.0, base, joints)
     covariance[2, 2] = 0.02**2
     lifted = base.copy()
