@@ -32,6 +32,7 @@ class ElevationMapping:
         mapping = ElevationMapping()
         mapping.move(world_base, pose_covariance)                       # at every pose
         mapping.integrate(depth, camera, world_camera, own_bodies)      # at every image
+        mapping.touch(soles, variance)                                  # where feet stand
         mapping.elevation_map()
     """
 
@@ -41,6 +42,8 @@ class ElevationMapping:
         self._grid = Grid(n, config.resolution, np.zeros(2, dtype=np.intp))
         self._height = np.full((n, n), np.nan)
         self._variance = np.full((n, n), np.nan)
+        # What of the variance came with the robot's motion since the cell was seen.
+        self._drift_variance = np.full((n, n), np.nan)
         self._place_variance = np.full((n, n, 2), np.nan)
         self._base: Array | None = None
         self._covariance = np.zeros((6, 6))
@@ -82,11 +85,13 @@ class ElevationMapping:
         if shift.any():
             self._height = moved(self._height, shift, np.nan)
             self._variance = moved(self._variance, shift, np.nan)
+            self._drift_variance = moved(self._drift_variance, shift, np.nan)
             self._place_variance = moved(self._place_variance, shift, np.nan)
         self._grid = grid
         if self._base is not None:
             growth = motion_variance(self._base, self._covariance, base, covariance)
             self._variance += growth.height
+            self._drift_variance += growth.height
             if growth.x or growth.y or growth.yaw:
                 everywhere = np.arange(self.config.cells**2)
                 places = growth.of_places(grid.centres(everywhere))
@@ -118,6 +123,33 @@ class ElevationMapping:
             readings = replace(readings, variance=readings.variance + noise, lasting=noise)
         self._forget_what_is_seen_through(image, camera, placement, readings)
         self._fuse(readings)
+        self._hold_variances()
+
+    def touch(self, points: ArrayLike, variance: float) -> None:
+        """The robot stands on the ground at points: what has drifted away from them comes back.
+
+        points: (k, 3) in W, in [m]; where nothing is known, or ground of another height, they tell nothing.
+        variance: of their heights, in [m^2].
+
+        The pose drifts as the robot goes on, and heights stay as they were seen. Two cells have in common what the pose
+        has drifted since the later of them was seen: the lesser of their variances of drift. So one point corrects all
+        cells, as a Kalman filter with that covariance does: those seen as long ago as the one under it by as much, and
+        those just seen not at all.
+        """
+        places = np.asarray(points, dtype=np.float64)
+        if places.ndim != 2 or places.shape[1] != 3 or not np.isfinite(places).all():
+            raise InputError(f"points of shape {places.shape}", "expected finite points (k, 3), in metres")
+        if not 0 < variance < np.inf:
+            raise InputError(f"a variance of {variance} m^2", "expected a finite number above 0")
+        index = np.floor((places[:, :2] - self._grid.corner) / self._grid.resolution).astype(np.intp)
+        on_map = ((index >= 0) & (index < self._grid.cells)).all(axis=1)
+        for (i, j), height in zip(index[on_map], places[on_map, 2], strict=True):
+            error, total = height - self._height[i, j], self._variance[i, j] + variance
+            if error**2 <= self.config.gate**2 * total:
+                shared = np.minimum(self._drift_variance, self._drift_variance[i, j])
+                self._height += shared / total * error
+                self._variance -= shared**2 / total
+                self._drift_variance -= shared**2 / total
         self._hold_variances()
 
     def lay_plane(self, points: ArrayLike, margin: float, variance: float) -> None:
@@ -158,6 +190,7 @@ class ElevationMapping:
         points = np.column_stack([self._grid.centres(cells), lowest])
         gone = cells[seen_through(image, camera, world_camera, points, self.config.sight)]
         height[gone] = variance[gone] = np.nan
+        self._drift_variance.reshape(-1)[gone] = np.nan
         self._place_variance.reshape(-1, 2)[gone] = np.nan
 
     def _agree(self, readings: CellReadings) -> NDArray[np.bool_]:
@@ -173,13 +206,16 @@ class ElevationMapping:
         becomes surer by a reading than those leave it.
         """
         height, variance = self._height.reshape(-1), self._variance.reshape(-1)
+        drift_variance = self._drift_variance.reshape(-1)
         cells = readings.cells
         new, agree = np.isnan(height[cells]), self._agree(readings)
         height[cells[new]], variance[cells[new]] = readings.height[new], readings.variance[new]
+        drift_variance[cells[new]] = 0.0
 
         both = cells[agree]
         prior, other = variance[both], readings.variance[agree]
         height[both] = (prior * readings.height[agree] + other * height[both]) / (prior + other)
+        drift_variance[both] *= (other / (prior + other)) ** 2
         fused = prior * other / (prior + other)
         variance[both] = np.minimum(prior, np.maximum(fused, readings.lasting[agree]))
 

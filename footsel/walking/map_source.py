@@ -19,6 +19,13 @@ class MapSource(ABC):
         joints: (12,) angles by LEGS and HAA HFE KFE, in [rad].
         """
 
+    def feel(self, base: NDArray[np.float64], joints: NDArray[np.float64], foot_forces: NDArray[np.float64]) -> None:
+        """Take notice of where the feet stand, called after `update`; a map that is given needs none of it.
+
+        base, joints: as there. foot_forces: (4, 3) of the ground on each foot by LEGS, in W, in [N].
+        """
+        del base, joints, foot_forces
+
     @abstractmethod
     def elevation_map(self) -> ElevationMap:
         """The map as known now, in W; unknown cells are NaN."""

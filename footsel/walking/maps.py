@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from footsel.walking.simulation.simulation import Simulation
 
 #: exact: the known map itself. noisy: as one depth camera's readings leave it, with holes and drift, all known at once.
-#: camera: made on the way by depth cameras, placed by a pose that drifts.
+#: camera: made on the way by depth cameras, placed by a pose that drifts, and held to the feet that stand.
 MAPS = ("exact", "noisy", "camera")
 #: Keeps the sensor's random numbers apart from those of the course and of the start.
 NOISE_STREAM = 1

@@ -144,7 +144,9 @@ class _Walk:
         )
 
     def _notice_world(self) -> None:
-        self.source.update(self._state.time, self._state.base, self._state.joints)
+        state = self._state
+        self.source.update(state.time, state.base, state.joints)
+        self.source.feel(state.base, state.joints, state.foot_forces)
 
     def _map(self) -> ElevationMap:
         return self.source.elevation_map()

@@ -287,6 +287,60 @@ def test_feet_in_a_line_still_lay_ground():
     assert np.allclose(mapping.elevation_map().elevation[mapping.elevation_map().known], 0.1)
 
 
+def drifted(rise, worlds):
+    """A map of one plane laid at the start and one laid after a drift up and down again, in [m], and where they lie."""
+    mapping = ElevationMapping(UNBOUNDED)
+    corners = np.array([[-1, -1], [-1, 1], [0, -1], [0, 1]])
+    ahead = np.array([1, 0])
+    uncertain = np.zeros((6, 6))
+    mapping.move(worlds.base_at(0, 0))
+    mapping.lay_plane(np.column_stack([corners, np.zeros(4)]), 0.0, 1e-6)
+    uncertain[2, 2] = 0.02**2
+    mapping.move(worlds.base_at(0, 0), uncertain)
+    mapping.lay_plane(np.column_stack([corners + ahead, np.full(4, rise)]), 0.0, 1e-6)
+    x, y = np.meshgrid(mapping.elevation_map().x(), mapping.elevation_map().y(), indexing="ij")
+    inside = np.abs(y) < 0.9
+    return mapping, inside & (x > -0.9) & (x < -0.1), inside & (x > 0.1) & (x < 0.9)
+
+
+def test_a_foot_brings_back_what_has_drifted_and_leaves_what_was_seen_since(worlds):
+    mapping, old, new = drifted(0.02, worlds)
+    before = mapping.variance
+    mapping.touch([[-0.5, 0.2, 0.02]], 1e-6)
+    found = mapping.elevation_map().elevation
+    assert np.allclose(found[old], 0.02, atol=2e-4)
+    assert np.allclose(found[new], 0.02, atol=1e-6)
+    assert (mapping.variance[old] < 0.05 * before[old]).all() and np.allclose(mapping.variance[new], before[new])
+
+
+def test_a_foot_on_what_was_just_seen_moves_nothing(worlds):
+    mapping, _, _ = drifted(0.02, worlds)
+    before = mapping.elevation_map().elevation
+    mapping.touch([[0.5, 0.2, 0.021]], 1e-6)
+    assert np.array_equal(before, mapping.elevation_map().elevation, equal_nan=True)
+
+
+def test_what_has_drifted_for_longer_comes_back_by_the_drift_that_it_shares(worlds):
+    mapping, old, new = drifted(0.0, worlds)
+    more = np.zeros((6, 6))
+    more[2, 2] = 2 * 0.02**2
+    mapping.move(worlds.base_at(0, 0), more)
+    mapping.touch([[0.5, 0.2, 0.02]], 1e-9)
+    found = mapping.elevation_map().elevation
+    # Of its drift of twice that variance the older plane shares the later half with the one under the foot.
+    assert np.allclose(found[new], 0.02, atol=1e-3) and np.allclose(found[old], found[new].mean(), atol=1e-6)
+    assert (mapping.variance[old] > 0.9 * 0.02**2).all() and (mapping.variance[new] < 0.1 * 0.02**2).all()
+
+
+@pytest.mark.parametrize("point", [[-0.5, 0.2, 0.15], [-2.0, 0.0, 0.02], [50.0, 0.0, 0.02]])
+def test_a_foot_on_other_or_unknown_ground_tells_nothing(worlds, point):
+    mapping, _, _ = drifted(0.02, worlds)
+    before = mapping.elevation_map().elevation
+    mapping.touch([point], 1e-6)
+    mapping.touch(np.empty((0, 3)), 1e-6)
+    assert np.array_equal(before, mapping.elevation_map().elevation, equal_nan=True)
+
+
 @pytest.mark.parametrize(
     "call",
     [
@@ -302,6 +356,9 @@ def test_feet_in_a_line_still_lay_ground():
         lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, 1, 0]], 0.1, -1e-4),
         lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.nan, 1e-4),
         lambda m: m.lay_plane([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], 0.1, 1e-4),
+        lambda m: m.touch([0, 0, 0], 1e-4),
+        lambda m: m.touch([[0, 0, np.nan]], 1e-4),
+        lambda m: m.touch([[0, 0, 0]], 0.0),
     ],
 )
 def test_what_makes_no_sense_is_refused_and_changes_nothing(call):

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 APPROACH, APPROACH_STEP, APPROACH_SPEED = 0.6, 0.1, 0.05
 #: Where it came from, the ground that it stood on went on for this far around its feet, in [m], known to 1 cm.
 APRON, APRON_VARIANCE = 0.4, 0.01**2
+#: A foot that is pushed up so hard stands on the ground. Its sole is as high as the ground, but for how uneven that is
+#: and how well the legs are known: assumptions. [N], [m^2]
+STANDING_FORCE, SOLE_VARIANCE = 20.0, 0.005**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,7 @@ class CameraMap(MapSource):
     No camera sees the ground under the robot and just ahead of its feet. So the robot has walked up to its start: the
     map is made along the last 60 cm before it. Where that began, the robot was told that it stood on even ground: the
     map starts as the plane through its soles, known to 1 cm, as ANYbotics' elevation mapping does it.
+    On the way, the feet that stand say how far the map has drifted since the ground around them was seen.
     """
 
     def __init__(
@@ -74,6 +78,11 @@ class CameraMap(MapSource):
                 self._due[number] = time + each.period - 1e-6
                 depth = true_depth(self._simulation.client, camera, true_base @ each.mount)
                 self._mapping.integrate(self._sensor.read(depth, self._rng), camera, base @ each.mount, bodies)
+
+    def feel(self, base: Array, joints: Array, foot_forces: Array) -> None:
+        """The ground is where feet stand on it: no camera looks there, and the pose has drifted since one did."""
+        standing = foot_forces[:, 2] > STANDING_FORCE
+        self._mapping.touch(self._own_bodies.soles(base, joints)[standing], SOLE_VARIANCE)
 
     def elevation_map(self) -> ElevationMap:
         """As fused so far; what no camera has seen is NaN."""

@@ -11,6 +11,7 @@ from footsel.walking.courses.registry import make_walk_course
 from footsel.walking.ground import make_ground
 from footsel.walking.sensing import CameraMap, camera_sight
 from footsel.walking.sensing.camera_map import CAMERAS
+from footsel.walking.sensing.own_bodies import OwnBodies
 
 SMALL = D435(212, 120)
 
@@ -108,6 +109,23 @@ def test_images_are_taken_when_they_are_due(robot, stance, simulate, monkeypatch
         source.update(now, *stance)
     front, rear = (each.period for each in CAMERAS)
     assert abs(len(taken) - 5 / front - 5 / rear) <= 2
+
+
+def test_feet_that_stand_tell_how_high_the_ground_is_and_those_in_the_air_do_not(robot, stance, simulate):
+    base, joints = stance
+    covariance = np.zeros((6, 6))
+    source = CameraMap(robot, simulate("flat"), covariance.copy, np.random.default_rng(0), SMALL)
+    source.update(0.0, base, joints)
+    covariance[2, 2] = 0.02**2
+    lifted = base.copy()
+    lifted[2, 3] += 0.02  # believed to be higher than it is
+    source.update(0.01, lifted, joints)
+    at = OwnBodies(robot).soles(lifted, joints)[:, :2]
+    before = source.elevation_map().sample(at)
+    source.feel(lifted, joints, np.zeros((4, 3)))
+    assert np.array_equal(source.elevation_map().sample(at), before) and (np.abs(before) < 0.01).all()
+    source.feel(lifted, joints, np.array([[0.0, 0.0, 100.0]] + 3 * [[0.0, 0.0, 1.0]]))
+    assert np.allclose(source.elevation_map().sample(at), 0.02, atol=0.004)
 
 
 @pytest.mark.parametrize("name", ["oracle", "cnn"])
