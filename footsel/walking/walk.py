@@ -160,9 +160,9 @@ class _Walk:
 
     def _fallen(self) -> str:
         if self._state.base[2, 2] < np.cos(FALLEN_TILT):
-            return self._with_contacts("fell over")
+            return self._with_contacts("fell: the base turned over")
         if self.walker.tracking_error(self._state) > FALLEN_DISTANCE:
-            return self._with_contacts("fell")
+            return self._with_contacts("fell: the base dropped")
         return ""
 
     def _with_contacts(self, problem: str) -> str:
@@ -173,9 +173,9 @@ class _Walk:
         """Why a walk that ended at its goal is no success, or ""."""
         left = self.line.length - float(self.line.to_line(self.simulation.state().base[:2, 3])[0])
         if left > GOAL_TOLERANCE:
-            return f"stopped {left:.2f} m before the goal"
+            return f"stopped before the goal ({left:.2f} m)"
         if self.metrics.touched:
-            return f"{', '.join(self.metrics.touched)} touched the ground"
+            return f"limbs touched the ground ({', '.join(self.metrics.touched)})"
         if self.metrics.tracking_error >= MOST_TRACKING_ERROR:
-            return f"base {100 * self.metrics.tracking_error:.0f} cm from where it was told to be"
+            return f"base not where it was told to be ({100 * self.metrics.tracking_error:.0f} cm away)"
         return ""
