@@ -1,14 +1,17 @@
 """Engines other than onnxruntime that run an exported file: what it says is not one engine's reading of it."""
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import onnx
+import torch
 from numpy.typing import NDArray
 from onnx.reference import ReferenceEvaluator
 from onnx.reference.op_run import OpRun
+from torch import nn
 
 from footsel.runtime.contract import INPUT, LOGITS_OUTPUT
 
@@ -20,8 +23,9 @@ except ModuleNotFoundError:
 #: Encoded maps (n, planes, 40, 40) -> (n, 14, 40, 40) logits.
 Logits = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
-#: The reference evaluator takes over a hundred times as long per map as the others, so it gets one map of so many.
-REFERENCE_SHARE = 200
+#: The reference evaluator takes over a hundred times as long per map as the others, torch in float64 a few times as long:
+#: they get one map of so many.
+REFERENCE_SHARE, DOUBLE_SHARE = 200, 10
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,17 @@ def other_engines(content: bytes, maps: int) -> list[Engine]:
     if openvino is not None:
         engines.append(Engine(f"openvino {openvino.__version__.split('-')[0]}", _openvino(content)))
     return engines
+
+
+def double_precision(trained: nn.Module, maps: int) -> Engine:
+    """The trained network in float64: as far from it as float32 is from exact, no other engine can come nearer."""
+    network = copy.deepcopy(trained).double()
+
+    def run(planes: NDArray[np.float32]) -> NDArray[np.float32]:
+        with torch.inference_mode():
+            return np.asarray(network(torch.from_numpy(planes).double()).float().numpy())
+
+    return Engine(f"torch {torch.__version__.split('+')[0]} in float64", run, max(maps // DOUBLE_SHARE, 1))
 
 
 class GatherElements(OpRun):

@@ -27,6 +27,7 @@ try:
     from tqdm import tqdm
 
     from footsel.exporting.decoding import with_decoding
+    from footsel.exporting.engines import double_precision
     from footsel.exporting.onnx_file import OPSET, with_contract
     from footsel.exporting.parity import Parity
     from footsel.exporting.quantise import quantised
@@ -109,7 +110,11 @@ def export_network(source: "Source", int8: bool, parity_maps: int) -> ExportedPa
     files = {
         network_file(pair, variant): with_contract(with_decoding(model), contract) for variant, model in models.items()
     }
-    checks = {variant: Parity(files[name], name, parity_maps) for variant, name in zip(models, files, strict=True)}
+    double = [] if source.trained is None else [double_precision(source.trained, parity_maps)]
+    checks = {
+        variant: Parity(files[name], name, parity_maps, double if variant == "float32" else ())
+        for variant, name in zip(models, files, strict=True)
+    }
     maps = trial_maps(layout, contract.leg, parity_maps, _PARITY_SEED)
     with tqdm(total=len(maps), desc=f"{pair}: parity", unit="map", disable=None) as progress:
         for batch in maps.batches(_BATCH):

@@ -1,5 +1,6 @@
 """Does the exported file answer as the trained network does? Compared cell by cell on many maps, by several engines."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -80,12 +81,12 @@ class LogitDifferences:
 class Parity:
     """One exported file beside the network it was made of, a batch of maps at a time."""
 
-    def __init__(self, content: bytes, name: str, maps: int) -> None:
-        """content: of the file that messages call `name`. maps: how many it will meet."""
+    def __init__(self, content: bytes, name: str, maps: int, engines: Sequence[Engine] = ()) -> None:
+        """content: of the file that messages call `name`. maps: how many it will meet. engines: more to compare with."""
         self.name = name
         self._exported = Network.from_bytes(content, name)
         self.logits = LogitDifferences()
-        self._others = [(engine, LogitDifferences()) for engine in other_engines(content, maps)]
+        self._others = [(engine, LogitDifferences()) for engine in (*other_engines(content, maps), *engines)]
         self._feasible_only_exported = self._feasible_only_trained = 0
         self._max_infeasible_difference = self._max_cost_difference = 0.0
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import onnx
 import torch
+from torch import nn
 
 from footsel.errors import ModelError
 from footsel.exporting.align import aligned
@@ -32,6 +33,7 @@ class Source:
     info: header of its weights (footsel.learning.checkpoint). weights: content of the released weights' file.
     model: encoded maps -> logits, simplified. exact_parts: names of its parts that need more than 8 bits.
     logits: the answers that every exported file is compared with.
+    trained: the network in torch; None if it is a release, whose weights are rounded.
     comparison: figures of parity.json that an earlier export found for the logits of `model`, against torch.
     """
 
@@ -40,6 +42,7 @@ class Source:
     model: onnx.ModelProto
     exact_parts: Collection[str]
     logits: Logits
+    trained: nn.Module | None = None
     comparison: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -64,6 +67,7 @@ def _trained(folder: Path) -> Source:
         model=model,
         exact_parts=network.exact_parts,
         logits=torch_logits(network),
+        trained=network,
     )
 
 

@@ -23,7 +23,7 @@ def with_best_balls(skeleton: LegSkeleton, samples: Samples, layout: LegLayout, 
     """The skeleton with at most `count` balls, 0 for all, chosen one by one: each makes the least clearance err least.
 
     A cell in range errs if the least clearance of the balls says another than the label whether the leg collides there,
-    by the threshold that suits best. Every ball costs a look-up per cell; for ANYmal six of thirteen do nearly as well
+    by the threshold that suits best. Every ball costs a look-up per cell; for ANYmal five of thirteen do nearly as well
     as all of them (docs/learning.md).
     """
     if count == 0 or count >= len(skeleton.radius):

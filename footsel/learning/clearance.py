@@ -15,8 +15,10 @@ from footsel.terrain import CELLS
 
 #: A clearance counts up to this either way, in cells of the local map: 10 cm for ANYmal.
 LARGEST_CLEARANCE = 5.0
-#: Largest row and column of a look-up, just short of the last cell, which so is the second of two. [cells]
-LAST = float(np.nextafter(np.float32(CELLS - 1), np.float32(0)))
+#: Rows and columns are counted from this one, in the middle of the map, where float32 resolves them best. A look-up goes
+#: from the first to just short of the last, which so is the second of two. [cells]
+ORIGIN = CELLS // 2
+FIRST, LAST = float(-ORIGIN), float(np.nextafter(np.float32(CELLS - 1 - ORIGIN), np.float32(0)))
 #: Of what a ball does not touch, in [m].
 FAR_BELOW = 10.0
 #: Cells beyond a ball that still count, lower by FALL metres per metre: so a wall beside a body shows before it is
@@ -48,11 +50,12 @@ class LegClearance(nn.Module):
         # From the leg's axes to the map: rows and columns, and heights.
         keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, skeleton.haa]))
         keep_constant(self, "scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]))
-        keep_constant(self, "middle", np.array([[(CELLS - 1) / 2], [(CELLS - 1) / 2], [0.0]]))
+        middle = (CELLS - 1) / 2 - ORIGIN
+        keep_constant(self, "middle", np.array([[middle], [middle], [0.0]]))
         # Ball after ball, where its radius's surface begins.
         surface = np.array([radii.index(radius) for radius in skeleton.radius])
         keep_constant(self, "index", np.array([[float(CELLS), 1.0]]))
-        keep_constant(self, "first_index", np.repeat(surface * CELLS**2, CELLS**2)[None])
+        keep_constant(self, "first_index", np.repeat(surface * CELLS**2 + ORIGIN * (CELLS + 1), CELLS**2)[None])
 
     @torch.no_grad()
     def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
@@ -66,7 +69,7 @@ class LegClearance(nn.Module):
     def centres(self, posture: Tensor, tilt: Tensor) -> Tensor:
         """(n, 3, channels * 1600) of all balls in the heading frame, ball after ball.
 
-        Row and column in cells, and z in units of the largest clearance.
+        Row and column in cells from ORIGIN, and z in units of the largest clearance.
         """
         count = self.channels
         sums = self.get_buffer("weight") @ posture + self.get_buffer("bias")
@@ -83,7 +86,7 @@ class LegClearance(nn.Module):
 
         Bilinear, and so continuous: rounding decides nothing, and engines that round differently agree.
         """
-        at = at.clamp(0.0, LAST)
+        at = at.clamp(FIRST, LAST)
         # The cell whose corner is the least of four; surfaces lie one after the other.
         corner = at.floor()
         along, across = (at - corner).chunk(2, dim=1)

@@ -33,12 +33,11 @@ class Footing(nn.Module):
     def __init__(self, layout: LegLayout) -> None:
         super().__init__()
         self.foot_surface = FootSurface(layout)
-        self.drops = Drops(layout.height_range)
         weights = STENCIL[:, 2]
-        keep_constant(self, "slopes", weights[None] * LARGEST_DROP / PLANE)
+        self.neighbours = Neighbours(layout.height_range, weights)
+        keep_constant(self, "slopes", np.append(weights, 0.0)[None] * LARGEST_DROP / PLANE)
         # What unknown neighbours add to both sums, if all of them are unknown.
         self._unknown = float(weights.sum()) * LARGEST_DROP / PLANE
-        keep_constant(self, "shares", (np.insert(weights, 12, 0.0) / weights.sum()).reshape(1, 1, 5, 5))
         exponent, constant, peaks = _mixture(TerrainCostModel.load())
         keep_constant(self, "exponent", exponent)
         keep_constant(self, "constant", constant[:, None])
@@ -47,10 +46,9 @@ class Footing(nn.Module):
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, 40, 40) depth in [0, 1] and 1 where it is known -> (n, 6, 1600)."""
         with float32():
-            drops = self.drops(self.foot_surface(depth, known), known).flatten(2)
-            share = functional.conv2d(known, self.get_buffer("shares"), padding=2).flatten(2)
-            weights = self.get_buffer("slopes")
-            sums = torch.cat([weights @ drops, weights @ drops.abs()], dim=1)
+            neighbours = self.neighbours(self.foot_surface(depth, known), known).flatten(2)
+            weights, share = self.get_buffer("slopes"), neighbours[:, -1:]
+            sums = torch.cat([weights @ neighbours, weights @ neighbours.abs()], dim=1)
             counted = (sums - (1 - share) * self._unknown) * known.flatten(2)
             slopes = counted / share.clamp(min=NONE_KNOWN)
 
@@ -88,19 +86,20 @@ class FootSurface(nn.Module):
             return 1 - touching.amax(dim=1, keepdim=True)
 
 
-class Drops(nn.Module):
-    """Differences in height between a cell and its 24 nearest, the stencil of the terrain cost.
+class Neighbours(nn.Module):
+    """A cell's 24 nearest, the stencil of the terrain cost: how much lower they lie, and how many of them are known.
 
-    Outputs in [-1, 1], 1 where a neighbour lies LARGEST_DROP lower or more, -1 where it lies as much higher. An unknown
+    Drops in [-1, 1], 1 where a neighbour lies LARGEST_DROP lower or more, -1 where it lies as much higher. An unknown
     neighbour, also one beyond the map, counts as 1, which is easily taken off a sum again. Of unknown cells they mean
-    nothing.
+    nothing. Last the share of the neighbours that is known, by weight. One convolution, as each costs an engine more
+    than a channel more.
 
-    height_range: depth that the input shows as 1, in [m].
+    height_range: depth that the input shows as 1, in [m]. weights: (24,) of the neighbours, row by row.
     """
 
-    CHANNELS = 24
+    CHANNELS = 25
 
-    def __init__(self, height_range: float) -> None:
+    def __init__(self, height_range: float, weights: NDArray[np.float64]) -> None:
         super().__init__()
         scale = height_range / LARGEST_DROP
         neighbours = [(i, j) for i in range(5) for j in range(5) if (i, j) != (2, 2)]
@@ -110,11 +109,12 @@ class Drops(nn.Module):
             weight[channel, 0, i, j], weight[channel, 0, 2, 2] = scale, -scale
             # The bias, which a known neighbour cancels, is more than any depth of the cell takes off.
             weight[channel, 1, i, j] = -2 * scale
+            weight[-1, 1, i, j] = weights[channel] / weights.sum()
         keep_constant(self, "weight", weight)
-        keep_constant(self, "bias", np.full(self.CHANNELS, 2 * scale))
+        keep_constant(self, "bias", np.append(np.full(len(neighbours), 2 * scale), 0.0))
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 24, h, w)."""
+        """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 25, h, w)."""
         with float32():
             planes = torch.cat([depth * known, known], dim=1)
             weight, bias = self.get_buffer("weight"), self.get_buffer("bias")

@@ -71,7 +71,7 @@ class FootNet(FootholdNetwork):
         channels = {"place": Place.CHANNELS, "posture": Posture.CHANNELS, "footing": Footing.CHANNELS}
         channels["clearance"] = len(skeleton.radius)
 
-        self.first = nn.Conv2d(self.in_channels + sum(channels[name] for name in features), cells[0], 1)
+        self.first = nn.Conv2d(2 + sum(channels[name] for name in features), cells[0], 1)
         self.cells = nn.Sequential(nn.ReLU(inplace=True), *(_mixed(*pair) for pair in pairwise(cells)))
         sides = [cells[-1], *widths]
         self.down = nn.ModuleList(Downsampler(*pair) for pair in pairwise(sides))
@@ -110,16 +110,20 @@ class FootNet(FootholdNetwork):
         """(n, cells[0], 40, 40) sums of all that a cell knows, in float32: it tells millimetres apart."""
         with float32():
             seen = self.geometry(maps)
-            planes = torch.cat([maps.flatten(2), *(seen[name] for name in self.features)], dim=1)
+            planes = torch.cat([seen[name] for name in ("depth", "known", *self.features)], dim=1)
             sums: Tensor = self.first(planes.reshape(-1, planes.shape[1], CELLS, CELLS))
             return sums
 
     def geometry(self, maps: Tensor) -> dict[str, Tensor]:
-        """The planes of the fixed layers, each (n, ..., 1600), by name."""
+        """What can be known of each cell without learning, (n, ..., 1600) each, by name.
+
+        The base's tilt is in all that it decides, so a cell needs no angles.
+        """
         depth = on_grid(self._plane(maps, "height"))
         known = 1 - self._plane(maps, "unknown")
         tilt = self.tilt(maps)
-        seen = {"place": self.place(depth.flatten(2), tilt)}
+        seen = {"depth": depth.flatten(2), "known": known.flatten(2)}
+        seen["place"] = self.place(seen["depth"], tilt)
         seen["posture"] = self.posture(seen["place"])
         if self.clearance is not None:
             seen["clearance"] = self.clearance(seen["posture"], tilt, depth, known)

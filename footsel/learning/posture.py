@@ -8,8 +8,9 @@ from footsel.learning.constants import keep_constant
 from footsel.learning.float32 import float32
 from footsel.learning.skeleton import LegSkeleton
 
-#: Keeps roots and divisions finite where the leg does not reach, in squares of its length.
-TINY = 1e-5
+#: Where the leg does not reach, roots and divisions go no further, in squares of its length: what they make of the last
+#: bit would grow without bound. Feasible cells of ANYmal have 0.06 or more of `reach` and 0.0065 of `slack`.
+LEAST_BELOW, LEAST_REACH, LEAST_SLACK = 1e-3, 1e-2, 6e-3
 
 #: Complex numbers are pairs here, of numbers or of planes. This multiplies one by i.
 TIMES_I = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -25,8 +26,8 @@ class Posture(nn.Module):
         across     the knee's part across it, turned back by a right angle: the knee is `along` + i `across`
         reach      square of the foot's distance from the HFE axis, which tells the knee's angle
         slack      square of the knee's distance from the line to the foot, by that to the foot; below 0 out of reach
-    As footsel.robot.LegKinematics, which says what u, v and w are. Out of reach the leg is stretched, too near it is
-    folded. Nothing here is learnt, so no gradient passes; computed in float32 even under autocast.
+    As footsel.robot.LegKinematics, which says what u, v and w are. Out of reach the leg is all but stretched, too
+    near it is folded. Nothing here is learnt, so no gradient passes; computed in float32 even under autocast.
     A turn is a product of complex numbers, for an engine pays for operators more than for what they compute.
     """
 
@@ -55,14 +56,15 @@ class Posture(nn.Module):
 
             # The leg plane keeps its distance from the HAA axis: from zero it has turned by
             # (plane_offset - i down) z / |z|^2.
-            distance = (z * z).sum(dim=1, keepdim=True).clamp(min=TINY)
-            down = leg.below * (distance - (leg.plane_offset / length) ** 2).clamp(min=TINY).sqrt()
+            offset = (leg.plane_offset / length) ** 2
+            distance = (z * z).sum(dim=1, keepdim=True).clamp(min=offset + LEAST_BELOW)
+            down = leg.below * (distance - offset).sqrt()
             abduction = (kept + turning * down) / distance
 
             # The knee lies on two circles, on the nominal stance's side.
             foot = torch.cat([along_u, down - float(leg.hfe_offset[1]) / length], dim=1)
-            reach = (foot * foot).sum(dim=1, keepdim=True).clamp(min=TINY)
+            reach = (foot * foot).sum(dim=1, keepdim=True).clamp(min=LEAST_REACH)
             forward = 0.5 + (thigh - shank) / 2 / reach
             slack = thigh / reach - forward * forward
-            aside = leg.knee_branch * slack.clamp(min=0).sqrt()
+            aside = leg.knee_branch * slack.clamp(min=LEAST_SLACK).sqrt()
             return torch.cat([abduction, foot, forward * foot, aside * foot, reach, slack.clamp(-1, 1)], dim=1)

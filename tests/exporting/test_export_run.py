@@ -95,6 +95,10 @@ def test_the_parity_report(released):
             engines = {name.split()[0]: figures for name, figures in report["other_engines"].items()}
             assert engines["onnx"]["maps"] == 1
             assert engines.get("openvino", float32)["maps"] == 60
+        # What float32 itself leaves open.
+        (double,) = (figures for name, figures in float32["other_engines"].items() if name.startswith("torch"))
+        assert double["maps"] == 6 and 0 < double["max_logit_difference"] < 1e-3
+        assert not any(name.startswith("torch") for name in int8["other_engines"])
         for figures in float32["other_engines"].values():
             assert figures["class_differs_beyond_ties"] == 0 and figures["max_logit_difference"] < 1e-3
         # Eight bits change something, but are the same network.

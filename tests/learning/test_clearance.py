@@ -7,7 +7,7 @@ import torch
 from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
-from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, LegClearance
+from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, ORIGIN, LegClearance
 from footsel.learning.place import Place
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -50,7 +50,7 @@ def test_balls_are_in_the_bodies(robot, leg, roll, pitch):
     heights = np.random.default_rng(0).uniform(-0.6, -0.3, (40, 40)).astype(np.float32)
     _, (layer, posture, tilt) = clearances(robot, leg, heights, roll, pitch)
     where = layer.centres(posture, tilt)[0].reshape(3, -1, 40, 40).numpy()
-    where[:2] = (where[:2] - 19.5) * 0.02
+    where[:2] = (where[:2] + ORIGIN - 19.5) * 0.02
     where[2] *= UNIT
     tilt = tilt_rotation(roll, pitch)
     feet = np.concatenate([cell_offsets(40, 0.02), (heights + 0.031)[..., None]], axis=-1) @ tilt
@@ -79,6 +79,7 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
     found, (layer, posture, tilt) = clearances(robot, "LF", heights, 0.1, 0.1, skeleton)
     centres = layer.centres(posture, tilt)
     row, column, z = centres[0].reshape(3, -1, 40, 40).numpy() * np.array([1, 1, UNIT])[:, None, None, None]
+    row, column = row + ORIGIN, column + ORIGIN
 
     def touching(radius, a, b):
         highest = -np.inf

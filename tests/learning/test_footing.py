@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from footsel.footholds.encoding import InputEncoding
-from footsel.learning.footing import Drops, Footing, FootSurface
+from footsel.learning.footing import Footing, FootSurface, Neighbours
 from footsel.learning.grid import STEPS, on_grid
 from footsel.oracle import terrain_cost
 from footsel.oracle.terrain_cost import foot_surface, terrain_costs, terrain_features
@@ -14,6 +14,7 @@ from footsel.robot import load_robot
 
 ROBOT = load_robot("anymal_b")
 RANGE = ROBOT.layout.height_range
+WEIGHTS = terrain_cost.STENCIL[:, 2]
 NEIGHBOURS = [(i, j) for i in range(-2, 3) for j in range(-2, 3) if (i, j) != (0, 0)]
 
 
@@ -44,8 +45,8 @@ def arithmetic(request):
 def test_drops_are_differences_of_heights(arithmetic):
     heights = rough(0)
     with arithmetic:
-        found = Drops(RANGE)(*inputs(heights))
-    assert found.dtype == torch.float32 and found.shape == (2, Drops.CHANNELS, 40, 40)
+        found = Neighbours(RANGE, WEIGHTS)(*inputs(heights))
+    assert found.dtype == torch.float32 and found.shape == (2, Neighbours.CHANNELS, 40, 40)
     for index, (i, j) in enumerate(NEIGHBOURS):
         drop = np.nan_to_num((heights - neighbour(heights, i, j)) / terrain_cost.LARGEST_DROP, nan=1)
         # 1e-4 of 5 cm: 5 micrometres. In bfloat16 heights alone would be 2 mm off.
@@ -55,11 +56,11 @@ def test_drops_are_differences_of_heights(arithmetic):
 def test_drops_of_depths_on_the_grid_are_exact():
     """In float32 as in float64, so in any order of sums: engines cannot disagree."""
     depth, known = inputs(rough(4, 0.1))
-    layer, depth = Drops(RANGE), on_grid(depth)
-    exact = Drops(RANGE).double()
+    layer, depth = Neighbours(RANGE, WEIGHTS), on_grid(depth)
+    exact = Neighbours(RANGE, WEIGHTS).double()
     planes = torch.cat([depth * known, known], dim=1).double()
     sums = torch.nn.functional.conv2d(planes, exact.weight, exact.bias, padding=2).clamp(-1, 1)
-    assert torch.equal(layer(depth, known).double(), sums)
+    assert torch.equal(layer(depth, known)[:, :-1].double(), sums[:, :-1])
     assert torch.equal(on_grid(depth), depth)
 
 
@@ -99,13 +100,15 @@ def test_the_foot_s_surface_is_that_of_the_label(arithmetic):
         np.testing.assert_allclose(found[index][cells], expected[cells], atol=0.51 / STEPS)
 
 
-def test_unknown_cells_and_the_border_are_as_deep_as_a_drop_can_be():
+def test_unknown_cells_and_the_border_are_as_deep_as_a_drop_can_be_and_not_in_the_share():
     heights = np.full((1, 40, 40), -0.5, dtype=np.float32)
     heights[0, 10, 10] = np.nan
     unknown = np.isnan(np.stack([neighbour(heights, i, j) for i, j in NEIGHBOURS], axis=1))
-    drops = Drops(RANGE)(*inputs(heights)).numpy()
+    found = Neighbours(RANGE, WEIGHTS)(*inputs(heights)).numpy()
     here = ~np.isnan(heights[0])
-    np.testing.assert_array_equal(drops[:, :, here], unknown[:, :, here])
+    np.testing.assert_array_equal(found[:, :-1, here], unknown[:, :, here])
+    share = np.tensordot(1 - unknown, WEIGHTS, axes=(1, 0)) / WEIGHTS.sum()
+    np.testing.assert_allclose(found[:, -1][:, here], share[:, here], atol=1e-6)
 
 
 def test_sums_are_as_if_unknown_neighbours_were_on_a_level():
