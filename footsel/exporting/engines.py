@@ -23,8 +23,8 @@ except ModuleNotFoundError:
 #: Encoded maps (n, planes, 40, 40) -> (n, 14, 40, 40) logits.
 Logits = Callable[[NDArray[np.float32]], NDArray[np.float32]]
 
-#: The reference evaluator takes over a hundred times as long per map as the others, torch in float64 a few times as long:
-#: they get one map of so many.
+#: The reference evaluator takes over a hundred times as long per map as the others, torch in float64 a few times as
+#: long: they get one map of so many.
 REFERENCE_SHARE, DOUBLE_SHARE = 200, 10
 
 

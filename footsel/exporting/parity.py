@@ -82,7 +82,7 @@ class Parity:
     """One exported file beside the network it was made of, a batch of maps at a time."""
 
     def __init__(self, content: bytes, name: str, maps: int, engines: Sequence[Engine] = ()) -> None:
-        """content: of the file that messages call `name`. maps: how many it will meet. engines: more to compare with."""
+        """content: of the file that messages call `name`. maps: how many it will meet. engines: more to compare."""
         self.name = name
         self._exported = Network.from_bytes(content, name)
         self.logits = LogitDifferences()

@@ -15,8 +15,8 @@ from footsel.terrain import CELLS
 
 #: A clearance counts up to this either way, in cells of the local map: 10 cm for ANYmal.
 LARGEST_CLEARANCE = 5.0
-#: Rows and columns are counted from this one, in the middle of the map, where float32 resolves them best. A look-up goes
-#: from the first to just short of the last, which so is the second of two. [cells]
+#: Rows and columns are counted from this one, in the middle of the map, where float32 resolves them best. A look-up
+#: goes from the first to just short of the last, which so is the second of two. [cells]
 ORIGIN = CELLS // 2
 FIRST, LAST = float(-ORIGIN), float(np.nextafter(np.float32(CELLS - 1 - ORIGIN), np.float32(0)))
 #: Of what a ball does not touch, in [m].
