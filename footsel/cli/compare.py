@@ -27,7 +27,7 @@ from footsel.cli.options import (
     output_folder,
 )
 from footsel.cli.select import SELECTORS
-from footsel.cli.walk import MAPS, TERRAINS
+from footsel.cli.walk import MAPS, TERRAINS, add_limbs
 from footsel.errors import InputError
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     walking.add_argument(
         "--map", choices=MAPS, help=f"what the robot knows of the ground: {', '.join(MAPS)} (default: {MAP})"
     )
+    add_limbs(walking)
     add_engine(walking)
     parser.add_argument("--out", type=output_folder, required=True, metavar="DIR", help="folder of the two files")
     parser.add_argument(
@@ -88,6 +89,8 @@ def run(args: argparse.Namespace) -> int:
         for option, value in (("--seeds", args.seeds), ("--map", args.map), ("--scheduler", args.scheduler)):
             if value is not None:
                 raise InputError(f"{option} is about walks", "give --walk TERRAIN too, or leave it out")
+        if not args.limb_watch:
+            raise InputError("--no-limb-watch is about walks", "give --walk TERRAIN too, or leave it out")
     elif args.maps or args.poses is not None:
         given = "MAPS" if args.maps else "--poses"
         raise InputError(
@@ -145,6 +148,7 @@ def _compare_walks(args: argparse.Namespace) -> int:
         map_options(args),
         args.jobs,
         args.scheduler,
+        args.limb_watch,
     )
     figures = comparison.figures()
     used = Run(_command(args), joblib.effective_n_jobs(args.jobs), cpu_name(), (*LIBRARIES, "pybullet"))
@@ -179,6 +183,8 @@ def _command(args: argparse.Namespace) -> str:
     words = ["footsel", "compare", *(str(path) for path in args.maps)]
     if args.walk is not None:
         words += ["--walk", *args.walk, "--seeds", str(args.seeds or SEEDS), "--map", args.map or MAP]
+    if not args.limb_watch:
+        words.append("--no-limb-watch")
     words += ["--selectors", *args.selectors]
     if args.walk is None:
         words += ["--poses", str(args.poses or POSES)]

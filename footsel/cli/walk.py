@@ -55,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the robot knows of the ground: all, as one depth camera's readings leave it, or what its cameras "
         "see on the way (default: %(default)s)",
     )
+    add_limbs(parser)
     parser.add_argument(
         "--model", type=Path, metavar="PATH", help="model folder of cnn (default: the robot's released one)"
     )
@@ -64,6 +65,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--picture", type=output_file, metavar="P.png", help="also draw the robot half way")
     add_robot(parser)
     add_seed(parser)
+
+
+def add_limbs(parser: argparse._ActionsContainer) -> None:
+    """--no-limb-watch, as args.limb_watch."""
+    parser.add_argument(
+        "--no-limb-watch",
+        dest="limb_watch",
+        action="store_false",
+        help="the planner does not keep thighs and shanks clear of the ground: only the choice of footholds does",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -79,7 +90,16 @@ def run(args: argparse.Namespace) -> int:
         from footsel.walking.runs.one import run_job
         from footsel.walking.runs.progress import Progress
 
-    job = WalkJob(args.terrain, args.selector, args.seed, args.map, args.robot, args.model, map_options(args))
+    job = WalkJob(
+        args.terrain,
+        args.selector,
+        args.seed,
+        args.map,
+        args.robot,
+        args.model,
+        map_options(args),
+        watch_limbs=args.limb_watch,
+    )
     course = job.course()
     selector = make_selector(job.selector, job.robot, job.model)
     with ExitStack() as stack:

@@ -48,6 +48,7 @@ def walk(
     observers: Sequence[WalkObserver] = (),
     time_limit_s: float | None = None,
     estimator: StateEstimator | None = None,
+    watch_limbs: bool = True,
 ) -> WalkResult:
     """Let ANYmal B walk over a course.
 
@@ -55,12 +56,14 @@ def walk(
     seed: varies how the robot stands at the start. map_name, selector_name: as they stand in the result.
     time_limit_s: of simulated time; by default generous for the course's length.
     estimator: of the state that controller and map source believe in; the truth by default.
+    watch_limbs: whether the planner holds thighs and shanks against the map, or leaves them to the selector alone.
     """
     robot = load_robot(ROBOT)
     base, joints = standing_start(robot, course, seed)
     with Simulation(course.ground, robot, base, joints) as simulation:
         source = map_source if isinstance(map_source, MapSource) else map_source(simulation)
-        run = _Walk(course, robot, selector, source, simulation, observers, estimator or GroundTruth())
+        truth = estimator or GroundTruth()
+        run = _Walk(course, robot, selector, source, simulation, observers, truth, watch_limbs)
         limit = time_limit_s or run.line.length / SLOWEST + EXTRA_SECONDS
         start = time.perf_counter()
         reason = run.go(limit)
@@ -94,6 +97,7 @@ class _Walk:
     simulation: Simulation
     observers: Sequence[WalkObserver]
     estimator: StateEstimator
+    watch_limbs: bool
 
     def __post_init__(self) -> None:
         self.line = Line.of(self.course)
@@ -101,7 +105,9 @@ class _Walk:
         self._choice: Choice | None = None
         self._state = self.estimator.estimate(self.simulation.state())
         self._notice_world()
-        self.walker = Walker(self.robot, self.selector, self.line, self._map, self._chosen, self._state)
+        self.walker = Walker(
+            self.robot, self.selector, self.line, self._map, self._chosen, self._state, self.watch_limbs
+        )
 
     def go(self, limit: float) -> str:
         """Walk until the goal, a fall, a stop or the time limit; why it failed, or ""."""

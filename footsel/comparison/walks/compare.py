@@ -28,6 +28,7 @@ class WalkComparison:
         return {
             "robot": self.jobs[0].robot,
             "map": self.jobs[0].map,
+            "watch_limbs": self.jobs[0].watch_limbs,
             "seed": min(seeds),
             "seeds": len(set(seeds)),
             **walk_figures.figures([result for result, _ in self.walks]),
@@ -52,14 +53,16 @@ def compare_walks(
     map_options: Mapping[str, Any] | None = None,
     jobs: int = -1,
     scheduler: str | None = None,
+    watch_limbs: bool = True,
 ) -> WalkComparison:
     """Walk every terrain with every selector and `seeds` seeds from `seed` on; all but the times is the same each time.
 
     out: folder that keeps finished walks. jobs, scheduler: as of `walk_all`, whose errors it raises too.
+    watch_limbs: as of WalkJob.
     Raises UnknownNameError for a terrain, selector or map that does not exist, before anything walks.
     """
     walks = [
-        WalkJob(terrain, name, number, map_name, robot, model, dict(map_options or {}))
+        WalkJob(terrain, name, number, map_name, robot, model, dict(map_options or {}), watch_limbs=watch_limbs)
         for terrain in unique(terrains)
         for name in unique(selectors)
         for number in range(seed, seed + seeds)

@@ -21,6 +21,7 @@ def opening(figures: Mapping[str, Any]) -> str:
         f"{counted(len(runs), 'walk')}: {counted(len(selectors), 'selector')} on {counted(len(terrains), 'terrain')}, "
         f"each on {counted(len(seeds), 'course')} of its own ({drawn}), the same for every "
         f"selector; {seconds / 60:.0f} minutes of walking. Only the choice of footholds differs."
+        + ("" if figures["watch_limbs"] else " The planner does not keep thighs and shanks clear of the ground.")
     )
 
 

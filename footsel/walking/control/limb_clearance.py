@@ -62,12 +62,17 @@ class Clearance:
 
 
 class LimbClearance:
-    """Balls on the legs of a robot, without the lower half of the shank, which may touch the ground."""
+    """Balls on the legs of a robot, without the lower half of the shank, which may touch the ground.
 
-    def __init__(self, robot: Robot) -> None:
+    watched: without, there are no balls, and no limb is ever near the ground.
+    """
+
+    def __init__(self, robot: Robot, watched: bool = True) -> None:
         bodies = [SwingBodies.of(robot, leg, robot.bodies[leg].swing) for leg in LEGS]
         feet = [np.array([*robot.kinematics[leg].shank]) for leg in LEGS]
         balls = [_balls(each, foot) for each, foot in zip(bodies, feet, strict=True)]
+        if not watched:
+            balls = [each[:0] for each in balls]
         self._legs = (
             np.array([robot.layout.hips[leg] for leg in LEGS]),
             np.stack([each.leg for each in bodies]),

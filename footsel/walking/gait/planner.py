@@ -73,15 +73,22 @@ class NoStep:
 class StepPlanner:
     """Plans one step at a time along a line.
 
-    chosen: told every answer of the selector.
+    chosen: told every answer of the selector. watch_limbs: as of StepPoses.
     """
 
-    def __init__(self, robot: Robot, selector: Selector, line: Line, chosen: Callable[[Choice], None]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        selector: Selector,
+        line: Line,
+        chosen: Callable[[Choice], None],
+        watch_limbs: bool = True,
+    ) -> None:
         self._selector, self._line, self._chosen = selector, line, chosen
         self._radius = robot.description.foot_radius
         self._to_centre = np.array([0.0, 0.0, self._radius])
         self._places = places()
-        self._poses = StepPoses(robot, line.yaw)
+        self._poses = StepPoses(robot, line.yaw, watch_limbs)
         self._last = ORDER[-1]
 
     def plan(self, time: float, elevation_map: ElevationMap, feet: Array, base: BasePose, com: Array) -> Step | NoStep:

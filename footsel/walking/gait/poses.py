@@ -91,13 +91,16 @@ class Lift:
 
 
 class StepPoses:
-    """Finds poses of the base that walks with heading `yaw`, in [rad]."""
+    """Finds poses of the base that walks with heading `yaw`, in [rad].
 
-    def __init__(self, robot: Robot, yaw: float) -> None:
+    watch_limbs: whether thighs and shanks are held against the map, or left to the choice of footholds.
+    """
+
+    def __init__(self, robot: Robot, yaw: float, watch_limbs: bool = True) -> None:
         self._yaw, self._turn = yaw, heading_rotation(yaw)
         self._legs = LegLength(robot)
         self._stance = np.column_stack([places(), np.full(4, robot.description.foot_radius - HEIGHT)])
-        self._limbs = LimbClearance(robot)
+        self._limbs = LimbClearance(robot, watch_limbs)
 
     def at_touchdown(self, now: Situation, leg: str, target: Array, next_leg: str, drop: float) -> PoseAnswer:
         """When the foot of `leg` lands with its centre at target (3,): over the standing feet, in reach of the target

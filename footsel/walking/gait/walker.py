@@ -65,6 +65,7 @@ class Walker:
 
     phase, step, steps: what it is doing, for which step, and how many it has completed. reason: why it stopped before
     the goal. target: (6,) pose that the base is told to have now. motion: terms of the last tick.
+    watch_limbs: as of StepPoses.
     """
 
     def __init__(
@@ -75,9 +76,10 @@ class Walker:
         elevation_map: Callable[[], ElevationMap],
         chosen: Callable[[Choice], None],
         state: RobotState,
+        watch_limbs: bool = True,
     ) -> None:
         self._dynamics = Dynamics(robot)
-        self._planner = StepPlanner(robot, selector, line, chosen)
+        self._planner = StepPlanner(robot, selector, line, chosen, watch_limbs)
         self._legs = LegLength(robot)
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
         self.phase = Phase.PAUSE

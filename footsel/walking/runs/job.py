@@ -24,6 +24,7 @@ class WalkJob:
     terrain: a name in WALK_COURSES or a map file's path. selector: a name in SELECTORS. map: a name in MAPS.
     model: the network's folder, None for the robot's released one. map_options: how a map file is read, as of
     terrain.formats.load. time_limit_s: of simulated time, None for what `walk` grants a course.
+    watch_limbs: whether the planner keeps limbs clear of the ground, whoever chooses the footholds.
 
     Raises UnknownNameError for a selector or a map that does not exist.
     """
@@ -36,6 +37,7 @@ class WalkJob:
     model: Path | None = None
     map_options: Mapping[str, Any] = field(default_factory=dict)
     time_limit_s: float | None = None
+    watch_limbs: bool = True
 
     def __post_init__(self) -> None:
         if self.selector not in SELECTORS:
@@ -62,6 +64,7 @@ class WalkJob:
             "model": self._model_checksum() if self.selector in NETWORKS else None,
             "map_file": _checksum(Path(self.terrain)) if of_file else None,
             "time_limit_s": self.time_limit_s,
+            "watch_limbs": self.watch_limbs,
             "map_options": {name: value for name, value in self.map_options.items() if value} if of_file else {},
         }
 

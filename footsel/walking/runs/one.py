@@ -27,4 +27,5 @@ def run_job(
         observers,
         job.time_limit_s,
         senses.estimator,
+        job.watch_limbs,
     )

@@ -14,7 +14,7 @@ from footsel.walking.courses import make_walk_course
 
 
 def content(results):
-    return {"robot": "anymal_b", "map": "exact", "seed": 0, "seeds": 10, **figures(results)}
+    return {"robot": "anymal_b", "map": "exact", "watch_limbs": True, "seed": 0, "seeds": 10, **figures(results)}
 
 
 @pytest.fixture

@@ -114,3 +114,12 @@ def test_the_worst_limb_is_the_same_without_rates():
     bumpy = ground(lambda heights, x, y: (0.1 * np.cos(9 * x) * np.cos(7 * y)).astype(np.float32))
     for shift in rng.uniform(-0.05, 0.05, (5, 5)):
         assert LIMBS.worst(bumpy, BasePose(*(POSE + shift), 0.0), FEET) == at(POSE + shift, bumpy).worst
+
+
+def test_unwatched_limbs_are_clear_of_everything():
+    """Also with the ground up to the hips."""
+    high = ground(lambda heights, x, y: heights + 0.4)
+    pose, unwatched = BasePose(*POSE, 0.0), LimbClearance(ROBOT, watched=False)
+    assert LIMBS.worst(high, pose, FEET) < 0
+    assert unwatched.worst(high, pose, FEET) == np.inf == unwatched.of_foot(high, pose, "LF", FEET).min()
+    assert not unwatched.at(high, pose, FEET).rates.any()
