@@ -40,6 +40,7 @@ COMMANDS = {
     "walks.json": "footsel compare --walk",
     "walks_camera.json": "footsel compare --walk --map camera",
     "walks_maps.json": "footsel compare --walk MAPS",
+    "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
 
 
@@ -291,6 +292,20 @@ def walk_means(file: str) -> str:
         if part["means_of_successes"] is not None
     ]
     return table(["terrain", "selector", "arrived", *(heading for heading, _ in WALK_METRICS.values())], rows)
+
+
+def walk_contacts(file: str) -> str:
+    """How often and how long limbs touch the ground, over all walks."""
+    rows = []
+    found = read(RESULTS / file)
+    for terrain, parts in found["summary"].items():
+        for name, part in parts.items():
+            runs = [run for run in found["runs"] if (run["terrain"], run["selector"]) == (terrain, name)]
+            touching = sum(run["hind_shank_contact_s"] > 0 for run in runs)
+            means = [number(part["means"][metric], 2) for metric in ("hind_shank_contact_s", "shank_impacts")]
+            rows.append([_terrain(terrain), f"`{name}`", str(part["n"]), str(touching), *means])
+    head = ["terrain", "selector", "walks", "with hind shanks on the ground", "for [s], mean", "hard shank impacts, mean"]
+    return table(head, rows)
 
 
 def walk_differences(file: str) -> str:
@@ -774,6 +789,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "walks": lambda: walks("walks.json"),
         "differences": lambda: walk_differences("walks.json"),
         "means": lambda: walk_means("walks.json"),
+        "unwatched": lambda: walk_contacts("walks_unwatched.json"),
         "camera": lambda: walks("walks_camera.json"),
         "maps": lambda: walks("walks_maps.json"),
     },
