@@ -83,7 +83,7 @@ def paper(run: Path, unseen: Path) -> dict[str, Any]:
 
 
 def held_out(run: Path, dataset: Path) -> dict[str, Any]:
-    """Figures on the families that the run never saw, together and each, and on all others."""
+    """Figures on the families that the run never saw, together and each, on all others, and as compare would ask."""
     networks = {}
     for model in find_models(run):
         _, info = load_network(run / model.pair)
@@ -92,13 +92,18 @@ def held_out(run: Path, dataset: Path) -> dict[str, Any]:
             raise InputError(f"{run} was trained on all families", "train with --exclude")
         new = evaluate_model(run / model.pair, dataset, families=unseen)["networks"][model.pair]
         old = evaluate_model(run / model.pair, dataset, exclude=unseen)["networks"][model.pair]
+        asked = as_compared(model)
+        asked = asked.take(np.flatnonzero(np.isin(asked.family, unseen)))
+        leg = TRAINED_LEG[model.pair]
+        compared = evaluate(model.predict, asked, model.layout, leg, model.feasible_below)
         networks[model.pair] = {
             **_training(info),
             "seen": _main_figures(old["all"]),
             "unseen": _main_figures(new["all"]),
+            "unseen_as_compared": _main_figures(compared["all"]),
             "families": {name: _main_figures(figures) for name, figures in new["families"].items()},
         }
-    return {"judged_on": _dataset(dataset), "networks": networks}
+    return {"judged_on": _dataset(dataset), "as_compared": {"seed": SEED, "poses": POSES}, "networks": networks}
 
 
 def degraded_input(model: Path, dataset: Path) -> dict[str, Any]:

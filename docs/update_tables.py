@@ -158,6 +158,7 @@ def held_out() -> str:
     for pair, found in networks.items():
         groups = {"families trained on": found["seen"], "families never seen": found["unseen"]}
         groups |= {f"of these, {name}": figures for name, figures in found["families"].items()}
+        groups["families never seen, poses as compared"] = found["unseen_as_compared"]
         rows += [
             [
                 f"{pair}, {name}",
@@ -304,7 +305,14 @@ def walk_contacts(file: str) -> str:
             touching = sum(run["hind_shank_contact_s"] > 0 for run in runs)
             means = [number(part["means"][metric], 2) for metric in ("hind_shank_contact_s", "shank_impacts")]
             rows.append([_terrain(terrain), f"`{name}`", str(part["n"]), str(touching), *means])
-    head = ["terrain", "selector", "walks", "with hind shanks on the ground", "for [s], mean", "hard shank impacts, mean"]
+    head = [
+        "terrain",
+        "selector",
+        "walks",
+        "with hind shanks on the ground",
+        "for [s], mean",
+        "hard shank impacts, mean",
+    ]
     return table(head, rows)
 
 
