@@ -40,6 +40,8 @@ COMMANDS = {
     "walks.json": "footsel compare --walk",
     "walks_camera.json": "footsel compare --walk --map camera",
     "walks_maps.json": "footsel compare --walk MAPS",
+    "walks_nominal.json": "footsel compare --walk stones --selectors nominal cnn",
+    "walks_rubble.json": "footsel compare --walk rubble",
     "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
 
@@ -795,7 +797,9 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/walking.md": {
         "gains": gains,
         "walks": lambda: walks("walks.json"),
-        "differences": lambda: walk_differences("walks.json"),
+        "rubble": lambda: walks("walks_rubble.json"),
+        "nominal": lambda: walks("walks_nominal.json"),
+        "differences": lambda: walk_differences("walks_rubble.json"),
         "means": lambda: walk_means("walks.json"),
         "unwatched": lambda: walk_contacts("walks_unwatched.json"),
         "camera": lambda: walks("walks_camera.json"),
