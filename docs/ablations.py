@@ -95,7 +95,7 @@ class Row:
         """The row `name` of the plan."""
         changes = plan["rows"][name]
         budget = {"epochs": plan["epochs"], "maps": plan["maps"]}
-        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **plan["base"], **changes}
+        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **plan.get("base", {}), **changes}
         maps = values.pop("maps")
         return cls(name, changes, Recipe.from_dict(values), maps, work / re.sub(r"\W+", "_", name).strip("_"))
 
@@ -162,7 +162,7 @@ def conditions(plan: Mapping[str, Any], data: TrainingData, test: Dataset) -> di
     """What all rows have in common."""
     return {
         "recipe": plan["recipe"],
-        "base": plan["base"],
+        "base": plan.get("base", {}),
         "legs": plan["legs"],
         "budget": {"maps": plan["maps"], "epochs": plan["epochs"]},
         "training": {"config": dict(data.dataset), "sha256": data.dataset_sha256},

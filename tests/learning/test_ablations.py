@@ -168,7 +168,8 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     assert len({row.folder for row in rows}) == len(rows) > 15
     assert len({(str(row.recipe.to_dict()), row.maps) for row in rows}) == len(rows)
     assert rows[0].name == "footsel"
-    assert rows[0].recipe.to_dict() == {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
+    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"], **plan["base"]}
+    assert rows[0].recipe.to_dict() == Recipe.from_dict(begun).to_dict()
     # Equal budgets, but for the row that says what a larger one buys.
     budgets = {row.name: row.maps * row.recipe.epochs for row in rows}
     assert budgets.pop("twice the maps, as many epochs") == 2 * plan["maps"] * plan["epochs"]
