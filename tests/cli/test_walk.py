@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from footsel.cli import walk
+from footsel.errors import InputError
 from footsel.selectors import SELECTORS
 from footsel.walking.courses import WALK_COURSES
 from footsel.walking.maps import MAPS
@@ -52,6 +53,7 @@ def test_wrong_use_of_walk(footsel, tmp_path, monkeypatch, arguments, words):
         (("map.npz", "--walk", "flat"), ("MAPS and --walk exclude each other",)),
         (("--seeds", "3"), ("--seeds is about walks", "--walk")),
         (("--map", "exact"), ("--map is about walks", "--walk")),
+        (("--no-limb-watch",), ("--no-limb-watch is about walks", "--walk")),
         (("--walk", "flat", "--engine", "dask"), ("--scheduler",)),
     ],
 )
@@ -91,6 +93,22 @@ def test_a_walk_with_all_that_comes_of_it(footsel, tmp_path, short_map):
     assert result["steps"] > 10 and result["slip_max_mm"] < 50 and result["realtime_factor"] > 0
     assert "reached the goal" in outcome.err
     assert 10_000 < video.stat().st_size < 2_000_000 and picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("command", [("walk", "--terrain"), ("compare", "--jobs", "1", "--seeds", "1", "--walk")])
+@pytest.mark.parametrize("option", [(), ("--no-limb-watch",)])
+def test_limbs_are_watched_unless_told_otherwise(footsel, tmp_path, monkeypatch, short_map, command, option):
+    """Down to where limbs are held against the map."""
+    told = []
+
+    def limbs(_robot, watched):
+        told.append(watched)
+        raise InputError("that is all we want to know", "stop here")
+
+    monkeypatch.setattr("footsel.walking.gait.poses.LimbClearance", limbs)
+    out = ("--selectors", "nominal", "--out", tmp_path / "out") if command[0] == "compare" else ()
+    assert footsel(*command, short_map, *out, *option).code == 2
+    assert told == [not option]
 
 
 def test_a_comparison_of_walks(footsel, tmp_path, short_map):

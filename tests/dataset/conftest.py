@@ -3,6 +3,7 @@
 import hashlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -30,13 +31,20 @@ def digests_of(folder: Path) -> dict[str, str]:
 
 def start_footsel(*arguments: object, limit: Callable[[], None] | None = None) -> "subprocess.Popen[str]":
     """`footsel dataset ARGUMENTS` in a session of its own, as a terminal would start it."""
+
+    def prepare() -> None:
+        # A shell's background job ignores interrupts, and so would its children, these tests' too.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        if limit is not None:
+            limit()
+
     return subprocess.Popen(
         [sys.executable, "-m", "footsel.cli.main", "dataset", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=limit,  # noqa: PLW1509 - the tests have no threads
+        preexec_fn=prepare,  # noqa: PLW1509 - the tests have no threads
         env={**os.environ, "OMP_NUM_THREADS": "1"},
     )
 

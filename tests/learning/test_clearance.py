@@ -110,11 +110,10 @@ def test_rounding_decides_nothing(robot):
     assert np.abs(after - before).max() < 1e-4
 
 
-@pytest.mark.parametrize("leg", ["LF", "LH"])
-def test_it_tells_collisions_as_the_oracle_does(robot, leg):
-    """In range, on the courses with most obstacles, the least clearance is wrong in one cell of fifteen at most."""
-    oracle, agree, cells, collisions = Oracle(robot), 0, 0, 0
-    for seed in range(12):
+def judged_maps(robot, leg, count):
+    """Local maps of the courses with most obstacles: the oracle's reasons and the least clearance, (40, 40) each."""
+    oracle = Oracle(robot)
+    for seed in range(count):
         rng = np.random.default_rng(seed)
         course = make_course(("stones", "pillars", "rubble", "blocks")[seed % 4], seed, size=3.0)
         x, y, yaw = *rng.uniform(-0.5, 0.5, 2), rng.uniform(-np.pi, np.pi)
@@ -122,7 +121,14 @@ def test_it_tells_collisions_as_the_oracle_does(robot, leg):
         pose = BasePose(x, y, robot.layout.ground_height(course, x, y, yaw) + rng.uniform(0.4, 0.52), roll, pitch, yaw)
         local_map = robot.layout.local_map(course, pose, leg)
         reason = oracle.label(local_map, leg, roll, pitch).reason
-        least = clearances(robot, leg, local_map.heights, roll, pitch)[0].min(axis=0)
+        yield reason, clearances(robot, leg, local_map.heights, roll, pitch)[0].min(axis=0)
+
+
+@pytest.mark.parametrize("leg", ["LF", "LH"])
+def test_it_tells_collisions_as_the_oracle_does(robot, leg):
+    """In range, on the courses with most obstacles, the least clearance is wrong in one cell of fifteen at most."""
+    agree = cells = collisions = 0
+    for reason, least in judged_maps(robot, leg, 12):
         asked = (reason == Reason.FEASIBLE) | (reason == Reason.TERRAIN_COLLISION)
         collides = reason[asked] == Reason.TERRAIN_COLLISION
         agree += int(((least[asked] < 0.005) == collides).sum())
@@ -137,16 +143,9 @@ def test_no_collision_comes_as_a_surprise(robot, leg):
 
     Without cells beyond a ball, one to three collisions in a hundred have every ball far from the ground.
     """
-    oracle, collisions, surprises = Oracle(robot), 0, 0
-    for seed in range(24):
-        rng = np.random.default_rng(seed)
-        course = make_course(("stones", "pillars", "rubble", "blocks")[seed % 4], seed, size=3.0)
-        x, y, yaw = *rng.uniform(-0.5, 0.5, 2), rng.uniform(-np.pi, np.pi)
-        roll, pitch = rng.uniform(-0.2, 0.2, 2)
-        pose = BasePose(x, y, robot.layout.ground_height(course, x, y, yaw) + rng.uniform(0.4, 0.52), roll, pitch, yaw)
-        local_map = robot.layout.local_map(course, pose, leg)
-        collides = oracle.label(local_map, leg, roll, pitch).reason == Reason.TERRAIN_COLLISION
-        least = clearances(robot, leg, local_map.heights, roll, pitch)[0].min(axis=0)
+    collisions = surprises = 0
+    for reason, least in judged_maps(robot, leg, 24):
+        collides = reason == Reason.TERRAIN_COLLISION
         collisions, surprises = collisions + int(collides.sum()), surprises + int((least[collides] > 0.06).sum())
     assert surprises < 0.003 * collisions > 3
 
