@@ -27,7 +27,6 @@ from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning.ball_choice import with_best_balls
 from footsel.learning.clearance import BEYOND, FALL, LegClearance
-from footsel.learning.place import Place
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
@@ -111,8 +110,8 @@ def _seen(
         some = samples.take(slice(start, start + 100))
         maps = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch))
         depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], Tilt(PLANES)(maps)
-        posture = Posture(skeleton, layout.height_range)(Place(layout)(depth.flatten(2), tilt))
-        planes = torch.cat([layer(posture, tilt, depth, known), posture], dim=1)
+        posture = Posture(layout, skeleton)(depth.flatten(2), tilt)
+        planes = torch.cat([layer(posture, tilt, depth, known), posture.float()], dim=1)
         parts.append(planes.mT.numpy()[kept[start : start + 100].reshape(len(some), -1)])
     return np.concatenate(parts)
 

@@ -10,7 +10,6 @@ from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout, Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning.clearance import LegClearance
-from footsel.learning.place import Place
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
@@ -45,7 +44,7 @@ def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[N
     maps = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch))
     height, unknown = maps[:, :1], maps[:, 1:2]
     tilt = Tilt(encoding.planes)(maps)
-    posture = Posture(skeleton, layout.height_range)(Place(layout)(height.flatten(2), tilt))
+    posture = Posture(layout, skeleton)(height.flatten(2), tilt)
     clearance = LegClearance(layout, skeleton)(posture, tilt, height, 1 - unknown).mT.numpy()
     collides = some.reason == Reason.TERRAIN_COLLISION
     in_range = (collides | (some.reason == Reason.FEASIBLE)).reshape(len(some), -1)

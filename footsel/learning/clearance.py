@@ -8,8 +8,8 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
-from footsel.learning.float32 import float32
 from footsel.learning.posture import TIMES_I, Posture
+from footsel.learning.precision import own_precision
 from footsel.learning.skeleton import LegSkeleton
 from footsel.terrain import CELLS
 
@@ -32,7 +32,8 @@ class LegClearance(nn.Module):
 
     The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius and a margin aside. The
     balls fill the bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no
-    gradient passes; computed in float32 even under autocast.
+    gradient passes. Balls are placed in float64, for beside a wall little decides much, then looked up in the input's
+    type.
     """
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton, beyond: int = BEYOND, fall: float = FALL) -> None:
@@ -43,15 +44,15 @@ class LegClearance(nn.Module):
         radii = sorted(set(skeleton.radius.tolist()))
         rises = _rises(np.array(radii), layout.resolution, beyond, fall)
         keep_constant(self, "rises", rises[..., None, None] / self._unit)
-        weight, bias = _ball_sums(skeleton)
-        keep_constant(self, "weight", weight)
-        keep_constant(self, "bias", bias[:, None])
+        keep_constant(self, "weight", _ball_sums(skeleton), np.float64)
 
         # From the leg's axes to the map: rows and columns, and heights.
-        keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, skeleton.haa]))
-        keep_constant(self, "scale", np.array([[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]))
+        to_hfe = skeleton.haa + skeleton.basis[0] * skeleton.hfe_offset[0]
+        keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, to_hfe]), np.float64)
+        scale = [[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]
+        keep_constant(self, "scale", scale, np.float64)
         middle = (CELLS - 1) / 2 - ORIGIN
-        keep_constant(self, "middle", np.array([[middle], [middle], [0.0]]))
+        keep_constant(self, "middle", [[middle], [middle], [0.0]], np.float64)
         # Ball after ball, where its radius's surface begins.
         surface = np.array([radii.index(radius) for radius in skeleton.radius])
         keep_constant(self, "index", np.array([[float(CELLS), 1.0]]))
@@ -61,8 +62,8 @@ class LegClearance(nn.Module):
     def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where it is known ->
         (n, channels, 1600)."""
-        with float32():
-            centres = self.centres(posture, tilt)
+        with own_precision():
+            centres = self.centres(posture, tilt).to(depth.dtype)
             clearance = centres[:, 2:] - self._look_up(self._surfaces(depth, known), centres[:, :2])
             return clearance.clamp(-1, 1).reshape(-1, self.channels, CELLS**2)
 
@@ -72,13 +73,13 @@ class LegClearance(nn.Module):
         Row and column in cells from ORIGIN, and z in units of the largest clearance.
         """
         count = self.channels
-        sums = self.get_buffer("weight") @ posture + self.get_buffer("bias")
+        sums = self.get_buffer("weight") @ posture
         u, beside_v, beside_w, w = (sums[:, part * count : (part + 1) * count] for part in range(4))
         w_axis_v, w_axis_w = sums[:, 4 * count : 4 * count + 1], sums[:, 4 * count + 1 :]
         balls = torch.cat([u, beside_v + w * w_axis_v, beside_w + w * w_axis_w], dim=1)
         frame = (tilt @ self.get_buffer("leg_axes")) * self.get_buffer("scale")
-        axes, haa = frame[..., :3], frame[..., 3:] + self.get_buffer("middle")
-        centres: Tensor = axes @ balls.reshape(-1, 3, count * CELLS**2) + haa
+        axes, origin = frame[..., :3], frame[..., 3:] + self.get_buffer("middle")
+        centres: Tensor = axes @ balls.reshape(-1, 3, count * CELLS**2) + origin
         return centres
 
     def _look_up(self, surfaces: Tensor, at: Tensor) -> Tensor:
@@ -112,26 +113,25 @@ class LegClearance(nn.Module):
         return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
 
 
-def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Weight (m, 10) and bias (m,) of sums of Posture's planes, in [m].
+def _ball_sums(leg: LegSkeleton) -> NDArray[np.float64]:
+    """Weight (m, 10) of sums of Posture's planes, in [m].
 
-    For every ball its place along u; by how much `beside` it is, the part along v, turned with the abduction: along v,
-    then along w; its place along the leg plane's w; after all balls where that axis w points: along v and w.
+    For every ball its place along u, from the HFE axis; how much of it does not turn with the leg plane's w, along v,
+    then along w; its place along the leg plane's w, from the HFE axis; after all balls where that w points: along v and
+    w.
     """
     # Pairs of planes: abduction, foot, along, across; then reach and slack.
     pairs = np.eye(Posture.CHANNELS).reshape(5, 2, Posture.CHANNELS)
     abduction, foot, along, across, _ = pairs
     knee = along + TIMES_I @ across
-    count = len(leg.radius)
-    weight, bias = np.zeros((4, count, Posture.CHANNELS)), np.zeros((4, count))
+    w_axis = TIMES_I @ abduction
+    weight = np.zeros((4, len(leg.radius), Posture.CHANNELS))
     for number, (link, (ball_u, ball_v, ball_w)) in enumerate(zip(leg.link, leg.balls, strict=True)):
         ball = np.array([ball_u, ball_w])
         centre = _times(ball, leg.thigh) @ knee if link == 0 else knee + _times(ball, leg.shank) @ (foot - knee)
         weight[[0, 3], number] = leg.length * centre
-        bias[[0, 3], number] = leg.hfe_offset
-        weight[1:3, number] = ball_v * abduction
-    w_axis = TIMES_I @ abduction
-    return np.vstack([weight.reshape(-1, Posture.CHANNELS), w_axis]), np.append(bias.ravel(), np.zeros(2))
+        weight[1:3, number] = ball_v * abduction + leg.hfe_offset[1] * w_axis
+    return np.vstack([weight.reshape(-1, Posture.CHANNELS), w_axis])
 
 
 def _rises(radii: NDArray[np.float64], resolution: float, beyond: int, fall: float) -> NDArray[np.float64]:

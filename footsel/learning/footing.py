@@ -2,7 +2,7 @@
 
 The cost turns on millimetres, but a height in the input is a share of 0.85 m, where bfloat16 resolves 2 to 3 mm. A
 difference to a neighbour, scaled so that what matters fills [0, 1], keeps its digits in any later arithmetic. These
-layers therefore compute in float32 even under autocast. They export to plain operators.
+layers therefore compute in the input's float32 even under autocast. They export to plain operators.
 """
 
 import numpy as np
@@ -13,8 +13,8 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
-from footsel.learning.float32 import float32
 from footsel.learning.grid import on_grid
+from footsel.learning.precision import own_precision
 from footsel.oracle.terrain_cost import LARGEST_DROP, LARGEST_FEATURE, PLANE, STENCIL, TerrainCostModel
 
 #: Less than the share of one neighbour of the outer ring: no neighbour is known.
@@ -45,7 +45,7 @@ class Footing(nn.Module):
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, 40, 40) depth in [0, 1] and 1 where it is known -> (n, 6, 1600)."""
-        with float32():
+        with own_precision():
             neighbours = self.neighbours(self.foot_surface(depth, known), known).flatten(2)
             weights, share = self.get_buffer("slopes"), neighbours[:, -1:]
             sums = torch.cat([weights @ neighbours, weights @ neighbours.abs()], dim=1)
@@ -80,7 +80,7 @@ class FootSurface(nn.Module):
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> the same shape."""
-        with float32():
+        with own_precision():
             height = (1 - depth) * known
             touching = functional.conv2d(height, self.get_buffer("weight"), -self.get_buffer("sinking"), padding=1)
             return 1 - touching.amax(dim=1, keepdim=True)
@@ -115,7 +115,7 @@ class Neighbours(nn.Module):
 
     def forward(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 1, h, w) depth in [0, 1] and 1 where it is known -> (n, 25, h, w)."""
-        with float32():
+        with own_precision():
             planes = torch.cat([depth * known, known], dim=1)
             weight, bias = self.get_buffer("weight"), self.get_buffer("bias")
             return functional.conv2d(planes, weight, bias, padding=2).clamp(-1, 1)

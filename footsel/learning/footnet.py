@@ -21,12 +21,12 @@ from footsel.footholds import LegLayout
 from footsel.footholds.reasons import REASON_NAMES
 from footsel.learning.clearance import LegClearance
 from footsel.learning.erfnet import BATCH_NORM_EPS, Downsampler, NonBottleneck1d
-from footsel.learning.float32 import float32
 from footsel.learning.footing import Footing
 from footsel.learning.grid import on_grid
 from footsel.learning.network import FootholdNetwork
 from footsel.learning.place import Place
 from footsel.learning.posture import Posture
+from footsel.learning.precision import own_precision
 from footsel.learning.recipe import FEATURES
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
@@ -62,10 +62,10 @@ class FootNet(FootholdNetwork):
         super().__init__(len(planes))
         self._planes = tuple(planes)
         self.features = tuple(features)
-        # Posture and clearance build on what comes before them, whether the network sees that or not.
+        # Clearance builds on tilt and posture, whether the network sees the latter or not.
         self.tilt = Tilt(planes)
-        self.place = Place(layout)
-        self.posture = Posture(skeleton, layout.height_range)
+        self.place = Place(layout) if "place" in features else None
+        self.posture = Posture(layout, skeleton)
         self.clearance = LegClearance(layout, skeleton) if "clearance" in features else None
         self.footing = Footing(layout) if "footing" in features else None
         channels = {"place": Place.CHANNELS, "posture": Posture.CHANNELS, "footing": Footing.CHANNELS}
@@ -107,10 +107,10 @@ class FootNet(FootholdNetwork):
         return refined
 
     def _first(self, maps: Tensor) -> Tensor:
-        """(n, cells[0], 40, 40) sums of all that a cell knows, in float32: it tells millimetres apart."""
-        with float32():
+        """(n, cells[0], 40, 40) sums of all that a cell knows, in the input's float32: it tells millimetres apart."""
+        with own_precision():
             seen = self.geometry(maps)
-            planes = torch.cat([seen[name] for name in ("depth", "known", *self.features)], dim=1)
+            planes = torch.cat([seen[name].to(maps.dtype) for name in ("depth", "known", *self.features)], dim=1)
             sums: Tensor = self.first(planes.reshape(-1, planes.shape[1], CELLS, CELLS))
             return sums
 
@@ -123,8 +123,9 @@ class FootNet(FootholdNetwork):
         known = 1 - self._plane(maps, "unknown")
         tilt = self.tilt(maps)
         seen = {"depth": depth.flatten(2), "known": known.flatten(2)}
-        seen["place"] = self.place(seen["depth"], tilt)
-        seen["posture"] = self.posture(seen["place"])
+        if self.place is not None:
+            seen["place"] = self.place(seen["depth"], tilt)
+        seen["posture"] = self.posture(seen["depth"], tilt)
         if self.clearance is not None:
             seen["clearance"] = self.clearance(seen["posture"], tilt, depth, known)
         if self.footing is not None:

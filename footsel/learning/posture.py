@@ -2,10 +2,13 @@
 
 import numpy as np
 import torch
+from numpy.typing import ArrayLike
 from torch import Tensor, nn
 
+from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
-from footsel.learning.float32 import float32
+from footsel.learning.place import Place
+from footsel.learning.precision import own_precision
 from footsel.learning.skeleton import LegSkeleton
 
 #: Where the leg does not reach, roots and divisions go no further, in squares of its length: what they make of the last
@@ -27,44 +30,58 @@ class Posture(nn.Module):
         reach      square of the foot's distance from the HFE axis, which tells the knee's angle
         slack      square of the knee's distance from the line to the foot, by that to the foot; below 0 out of reach
     As footsel.robot.LegKinematics, which says what u, v and w are. Out of reach the leg is all but stretched, too
-    near it is folded. Nothing here is learnt, so no gradient passes; computed in float32 even under autocast.
+    near it is folded. Nothing here is learnt, so no gradient passes.
+    In float64: at the border of the range a network tells half a millimetre apart, and there what float32 rounds off a
+    foot's place would be worth 1e-3 of a logit, another in every engine.
     A turn is a product of complex numbers, for an engine pays for operators more than for what they compute.
     """
 
     CHANNELS = 10
 
-    def __init__(self, skeleton: LegSkeleton, height_range: float) -> None:
+    def __init__(self, layout: LegLayout, skeleton: LegSkeleton) -> None:
         super().__init__()
+        self._place = Place(layout)
         self._leg = leg = skeleton
         length = leg.length
-        # From Place's planes: the foot along u; in the plane of v and w, from the HAA axis, as a complex number z:
+        # From a foot's centre: the foot along u; in the plane of v and w, from the HAA axis, as a complex number z:
         # plane_offset z, -i z and z.
         along, z = leg.basis[:1], leg.basis[1:] / length
         axes = np.vstack([along / length, leg.plane_offset / length * z, -TIMES_I @ z, z])
+        self._keep("axes", layout.height_range * axes)
+        # The third number of Place's points is 1.
         to_hfe = np.append(leg.hfe_offset[0] / length, np.zeros(6))
-        keep_constant(self, "weight", height_range * axes)
-        keep_constant(self, "bias", (-axes @ leg.haa - to_hfe)[:, None])
+        self._keep("shift", np.outer(-axes @ leg.haa - to_hfe, [0, 0, 1, 0]))
+        offset, thigh, shank = leg.plane_offset / length, leg.thigh / length, leg.shank / length
+        self._keep("offset", offset**2)
+        self._keep("hfe_w", leg.hfe_offset[1] / length)
+        self._keep("thigh", thigh @ thigh)
+        self._keep("difference", (thigh @ thigh - shank @ shank) / 2)
+        for name, least in (("least_below", LEAST_BELOW), ("least_reach", LEAST_REACH), ("least_slack", LEAST_SLACK)):
+            self._keep(name, least)
+
+    def _keep(self, name: str, value: ArrayLike) -> None:
+        # Also single numbers: an exporter rounds those of Python to float32.
+        keep_constant(self, name, value, np.float64)
 
     @torch.no_grad()
-    def forward(self, place: Tensor) -> Tensor:
-        """(n, 3, 1600) of Place -> (n, 10, 1600)."""
-        leg, length = self._leg, self._leg.length
-        thigh, shank = float(leg.thigh @ leg.thigh) / length**2, float(leg.shank @ leg.shank) / length**2
-        with float32():
-            planes = self.get_buffer("weight") @ place + self.get_buffer("bias")
+    def forward(self, depth: Tensor, tilt: Tensor) -> Tensor:
+        """(n, 1, 1600) depth, (n, 3, 3) of Tilt -> (n, 10, 1600)."""
+        leg, offset = self._leg, self.get_buffer("offset")
+        with own_precision():
+            frame = self.get_buffer("axes") @ self._place.frame(tilt) + self.get_buffer("shift")
+            planes = frame @ self._place.points(depth)
             along_u, kept, turning, z = planes[:, :1], planes[:, 1:3], planes[:, 3:5], planes[:, 5:]
 
             # The leg plane keeps its distance from the HAA axis: from zero it has turned by
             # (plane_offset - i down) z / |z|^2.
-            offset = (leg.plane_offset / length) ** 2
-            distance = (z * z).sum(dim=1, keepdim=True).clamp(min=offset + LEAST_BELOW)
-            down = leg.below * (distance - offset).sqrt()
-            abduction = (kept + turning * down) / distance
+            beyond = torch.maximum((z * z).sum(dim=1, keepdim=True) - offset, self.get_buffer("least_below"))
+            down = leg.below * beyond.sqrt()
+            abduction = (kept + turning * down) / (beyond + offset)
 
             # The knee lies on two circles, on the nominal stance's side.
-            foot = torch.cat([along_u, down - float(leg.hfe_offset[1]) / length], dim=1)
-            reach = (foot * foot).sum(dim=1, keepdim=True).clamp(min=LEAST_REACH)
-            forward = 0.5 + (thigh - shank) / 2 / reach
-            slack = thigh / reach - forward * forward
-            aside = leg.knee_branch * slack.clamp(min=LEAST_SLACK).sqrt()
+            foot = torch.cat([along_u, down - self.get_buffer("hfe_w")], dim=1)
+            reach = torch.maximum((foot * foot).sum(dim=1, keepdim=True), self.get_buffer("least_reach"))
+            forward = 0.5 + self.get_buffer("difference") / reach
+            slack = self.get_buffer("thigh") / reach - forward * forward
+            aside = leg.knee_branch * torch.maximum(slack, self.get_buffer("least_slack")).sqrt()
             return torch.cat([abduction, foot, forward * foot, aside * foot, reach, slack.clamp(-1, 1)], dim=1)

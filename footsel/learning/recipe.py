@@ -47,8 +47,8 @@ class Recipe:
         (footsel.learning.footnet.FootNet).
     balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
     ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
-    noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells
-        (footsel.learning.augmentation).
+    noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells. shift: standard
+        deviation of a training map's height, in [m] (footsel.learning.augmentation).
     """
 
     name: str
@@ -76,6 +76,7 @@ class Recipe:
     collision_weight: float = 1.0
     noise: float = 0.0
     holes: float = 0.0
+    shift: float = 0.0
 
     def __post_init__(self) -> None:
         for key in ("planes", "cells", "widths", "blocks", "features"):
@@ -99,6 +100,7 @@ class Recipe:
         for key in ("noise", "holes"):
             share = getattr(self, key)
             self._check(key, _is_number(share) and 0 <= share <= 1, "a share from 0 to 1")
+        self._check("shift", _is_number(self.shift) and self.shift >= 0, "a length of 0 or more, in metres")
         self._check_network()
         if self.schedule == "exponential":
             self._check("decay", _is_number(self.decay) and 0 < float(self.decay or 0) <= 1, "a number in (0, 1]")

@@ -8,7 +8,7 @@ process, whose random states therefore stay equal and are those of a single proc
 import torch
 from torch import Tensor, nn
 
-from footsel.learning.float32 import float32
+from footsel.learning.precision import own_precision
 from footsel.learning.ranks import Ranks
 
 
@@ -24,7 +24,7 @@ class SharedBatchNorm2d(nn.BatchNorm2d):
         """(n, channels, h, w), n of this process -> the same shape."""
         if not self.training:
             return super().forward(input)
-        with float32():
+        with own_precision():
             # Sums in float64, as torch's: the digits of a small variance beside a large mean.
             values, over = input.float(), (0, 2, 3)
             cells = values.new_tensor([input.numel() // self.num_features], dtype=torch.float64)

@@ -169,9 +169,14 @@ def fit(
         batches = shuffled_batches(len(data.training), recipe.batch_size, seed, epoch)
         for batch in range(progress.batch, batches_per_epoch):
             samples = data.training.take(batches[batch])
-            if recipe.noise + recipe.holes > 0:
+            if recipe.noise + recipe.holes + recipe.shift > 0:
                 samples = as_seen(
-                    samples, data.layout.resolution, recipe.noise, recipe.holes, seed=(seed, epoch, batch)
+                    samples,
+                    data.layout.resolution,
+                    recipe.noise,
+                    recipe.holes,
+                    recipe.shift,
+                    seed=(seed, epoch, batch),
                 )
             rate = rate_of(recipe, epoch, batch, batches_per_epoch)
             loss = learner.update(samples, rate, updates_before=epoch * batches_per_epoch + batch)

@@ -8,7 +8,6 @@ from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
 from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, ORIGIN, LegClearance
-from footsel.learning.place import Place
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
@@ -38,7 +37,7 @@ def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
     encode = InputEncoding(PLANES, False, robot.layout.height_range).encode
     maps = torch.from_numpy(encode(heights[None], roll, pitch))
     depth, known, tilt = maps[:, :1], 1 - maps[:, 1:2], Tilt(PLANES)(maps)
-    posture = Posture(skeleton, robot.layout.height_range)(Place(robot.layout)(depth.flatten(2), tilt))
+    posture = Posture(robot.layout, skeleton)(depth.flatten(2), tilt)
     found = layer(posture, tilt, depth, known)[0].reshape(-1, 40, 40).numpy()
     return found * LARGEST_CLEARANCE * robot.layout.resolution, (layer, posture, tilt)
 

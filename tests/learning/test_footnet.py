@@ -92,7 +92,7 @@ def test_reasons_are_learnt_beside_and_can_go(network):
 def test_no_constant_is_stored_with_the_weights(network):
     """They follow from the layout, so a file is small and cannot contradict it."""
     buffers = {name for name, _ in network().named_buffers()} - set(network().state_dict())
-    assert {"footing.neighbours.weight", "place.feet", "posture.weight", "clearance.leg_axes"} <= buffers
+    assert {"footing.neighbours.weight", "place.known", "posture.axes", "clearance.leg_axes"} <= buffers
 
 
 @pytest.mark.parametrize("architecture", ["erfnet", "footnet"])

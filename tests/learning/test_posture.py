@@ -8,7 +8,6 @@ import torch
 
 from footsel.footholds.encoding import TILT_RANGE
 from footsel.footholds.pose import tilt_rotation
-from footsel.learning.place import Place
 from footsel.learning.posture import LEAST_SLACK, Posture
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
@@ -25,8 +24,7 @@ def postures(leg, heights):
     layout = ROBOT.layout
     depth = torch.from_numpy(-heights / layout.height_range).reshape(1, 1, -1)
     tilt = Tilt(("roll", "pitch"))(torch.tensor(TILT).reshape(1, 2, 1, 1) / TILT_RANGE)
-    place = Place(layout)(depth, tilt)
-    found = Posture(LegSkeleton.of(ROBOT, leg), layout.height_range)(place)[0].numpy().astype(np.float64)
+    found = Posture(layout, LegSkeleton.of(ROBOT, leg))(depth, tilt)[0].numpy()
     feet = np.concatenate([cell_offsets(40, 0.02), (heights + layout.foot_radius)[..., None]], axis=-1)
     angles, reachable = ROBOT.kinematics[leg].inverse(feet @ tilt_rotation(*TILT))
     return found, angles, reachable
@@ -77,11 +75,11 @@ def test_nothing_grows_without_bound(leg):
 
 
 def test_nothing_is_learnt_and_nothing_is_rounded():
-    layer = Posture(LegSkeleton.of(ROBOT, "LF"), 0.85)
-    place = torch.rand(1, 3, 1600) - 0.5
+    layer = Posture(ROBOT.layout, LegSkeleton.of(ROBOT, "LF"))
+    depth, tilt = torch.rand(1, 1, 1600), torch.eye(3)[None].double()
     with torch.autocast("cpu", torch.bfloat16):
-        found = layer(place.clone().requires_grad_())
-    assert torch.equal(found, layer(place)) and not found.requires_grad
+        found = layer(depth.clone().requires_grad_(), tilt)
+    assert torch.equal(found, layer(depth, tilt)) and not found.requires_grad
     assert not list(layer.parameters()) and not layer.state_dict()
 
 
@@ -91,4 +89,4 @@ def test_the_tilt_is_that_of_the_base():
     for matrix, roll, pitch in zip(matrices, rolls, pitches, strict=True):
         expected = tilt_rotation(float(roll) * TILT_RANGE, float(pitch) * TILT_RANGE)
         np.testing.assert_allclose(matrix, expected, atol=1e-6)
-    torch.testing.assert_close(Tilt(("height",))(torch.rand(2, 1, 40, 40)), torch.eye(3).expand(2, 3, 3))
+    torch.testing.assert_close(Tilt(("height",))(torch.rand(2, 1, 40, 40)), torch.eye(3).double().expand(2, 3, 3))
