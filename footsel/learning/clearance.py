@@ -32,8 +32,9 @@ class LegClearance(nn.Module):
 
     The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius and a margin aside. The
     balls fill the bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no
-    gradient passes. Balls are placed in float64, for beside a wall little decides much, then looked up in the input's
-    type.
+    gradient passes.
+    Sums that place the balls are in float64, for beside a wall little decides much. What follows goes number by number,
+    which every engine rounds alike, in the input's type.
     """
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton, beyond: int = BEYOND, fall: float = FALL) -> None:
@@ -44,7 +45,8 @@ class LegClearance(nn.Module):
         radii = sorted(set(skeleton.radius.tolist()))
         rises = _rises(np.array(radii), layout.resolution, beyond, fall)
         keep_constant(self, "rises", rises[..., None, None] / self._unit)
-        keep_constant(self, "weight", _ball_sums(skeleton), np.float64)
+        for name, weight in zip(("place", "along_w", "w_axis"), _ball_sums(skeleton), strict=True):
+            keep_constant(self, name, weight, np.float64)
 
         # From the leg's axes to the map: rows and columns, and heights.
         to_hfe = skeleton.haa + skeleton.basis[0] * skeleton.hfe_offset[0]
@@ -63,24 +65,24 @@ class LegClearance(nn.Module):
         """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where it is known ->
         (n, channels, 1600)."""
         with own_precision():
-            centres = self.centres(posture, tilt).to(depth.dtype)
+            centres = self.centres(posture, tilt, depth.dtype)
             clearance = centres[:, 2:] - self._look_up(self._surfaces(depth, known), centres[:, :2])
             return clearance.clamp(-1, 1).reshape(-1, self.channels, CELLS**2)
 
-    def centres(self, posture: Tensor, tilt: Tensor) -> Tensor:
-        """(n, 3, channels * 1600) of all balls in the heading frame, ball after ball.
+    def centres(self, posture: Tensor, tilt: Tensor, dtype: torch.dtype = torch.float64) -> Tensor:
+        """(n, 3, channels * 1600) of all balls in the heading frame, ball after ball, summed up in `dtype`.
 
         Row and column in cells from ORIGIN, and z in units of the largest clearance.
         """
-        count = self.channels
-        sums = self.get_buffer("weight") @ posture
-        u, beside_v, beside_w, w = (sums[:, part * count : (part + 1) * count] for part in range(4))
-        w_axis_v, w_axis_w = sums[:, 4 * count : 4 * count + 1], sums[:, 4 * count + 1 :]
-        balls = torch.cat([u, beside_v + w * w_axis_v, beside_w + w * w_axis_w], dim=1)
         frame = (tilt @ self.get_buffer("leg_axes")) * self.get_buffer("scale")
-        axes, origin = frame[..., :3], frame[..., 3:] + self.get_buffer("middle")
-        centres: Tensor = axes @ balls.reshape(-1, 3, count * CELLS**2) + origin
-        return centres
+        axes, origin = frame[..., :3], (frame[..., 3:] + self.get_buffer("middle")).to(dtype)
+        # The map's axes go into the weights, which are few.
+        place = (axes @ self.get_buffer("place")).reshape(-1, 3 * self.channels, Posture.CHANNELS)
+        along_w = self.get_buffer("along_w").expand(axes.shape[0], -1, -1)
+        sums = (torch.cat([place, axes @ self.get_buffer("w_axis"), along_w], dim=1) @ posture).to(dtype)
+        place, w_axis, along_w = torch.split(sums, [3 * self.channels, 3, self.channels], dim=1)
+        turned = along_w.unsqueeze(1) * w_axis.unsqueeze(2)
+        return (place.reshape(turned.shape) + turned + origin.unsqueeze(3)).flatten(2)
 
     def _look_up(self, surfaces: Tensor, at: Tensor) -> Tensor:
         """(n, 1, channels * 1600) of each ball's surface at (n, 2, channels * 1600) rows and columns.
@@ -113,25 +115,25 @@ class LegClearance(nn.Module):
         return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
 
 
-def _ball_sums(leg: LegSkeleton) -> NDArray[np.float64]:
-    """Weight (m, 10) of sums of Posture's planes, in [m].
+def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Sums of Posture's 10 planes, in [m], that place m balls from the HFE axis: the first + the second x the third.
 
-    For every ball its place along u, from the HFE axis; how much of it does not turn with the leg plane's w, along v,
-    then along w; its place along the leg plane's w, from the HFE axis; after all balls where that w points: along v and
-    w.
+    (3, 10 m) along u, v and w but for what turns with the leg plane's w, ball after ball; (m, 10) along that w;
+    (3, 10) where it points.
     """
     # Pairs of planes: abduction, foot, along, across; then reach and slack.
     pairs = np.eye(Posture.CHANNELS).reshape(5, 2, Posture.CHANNELS)
     abduction, foot, along, across, _ = pairs
     knee = along + TIMES_I @ across
-    w_axis = TIMES_I @ abduction
-    weight = np.zeros((4, len(leg.radius), Posture.CHANNELS))
+    w_axis = np.vstack([np.zeros(Posture.CHANNELS), TIMES_I @ abduction])
+    place, along_w = np.zeros((3, len(leg.radius), Posture.CHANNELS)), np.zeros((len(leg.radius), Posture.CHANNELS))
     for number, (link, (ball_u, ball_v, ball_w)) in enumerate(zip(leg.link, leg.balls, strict=True)):
         ball = np.array([ball_u, ball_w])
         centre = _times(ball, leg.thigh) @ knee if link == 0 else knee + _times(ball, leg.shank) @ (foot - knee)
-        weight[[0, 3], number] = leg.length * centre
-        weight[1:3, number] = ball_v * abduction + leg.hfe_offset[1] * w_axis
-    return np.vstack([weight.reshape(-1, Posture.CHANNELS), w_axis])
+        place[0, number], along_w[number] = leg.length * centre
+        place[1:, number] = ball_v * abduction
+        place[:, number] += leg.hfe_offset[1] * w_axis
+    return place.reshape(3, -1), along_w, w_axis
 
 
 def _rises(radii: NDArray[np.float64], resolution: float, beyond: int, fall: float) -> NDArray[np.float64]:

@@ -20,7 +20,7 @@ PLANES = ("height", "roll", "pitch")
 
 
 class LegGeometry(nn.Module):
-    """Maps -> (n, 10 + 3 balls, 1600) posture and ball centres, rounded to the maps' type at the end."""
+    """Maps -> (n, 10 + 3 balls, 1600) posture and ball centres in the maps' type."""
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton) -> None:
         super().__init__()
@@ -31,8 +31,8 @@ class LegGeometry(nn.Module):
         """As above."""
         tilt = self.tilt(maps)
         posture = self.posture(maps[:, :1].flatten(2), tilt)
-        centres = self.clearance.centres(posture, tilt).unflatten(2, (-1, 1600)).flatten(1, 2)
-        return torch.cat([posture, centres], dim=1).to(maps.dtype)
+        centres = self.clearance.centres(posture, tilt, maps.dtype).unflatten(2, (-1, 1600)).flatten(1, 2)
+        return torch.cat([posture.to(maps.dtype), centres], dim=1)
 
 
 @pytest.mark.parametrize("leg", ["LF", "LH"])
