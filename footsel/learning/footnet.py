@@ -32,6 +32,9 @@ from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
 from footsel.terrain import CELLS
 
+#: Logits go this far from zero. More would be surer than one in ten million, which nothing needs, and what rounding
+#: changes grows with them: where no leg reaches they came to 50.
+LARGEST_LOGIT = 16.0
 #: Dilations of the residual layers of one stage, repeated as needed; the map ends 5 cells from the middle at 10x10.
 DILATIONS = (1, 2, 4, 2)
 
@@ -82,14 +85,13 @@ class FootNet(FootholdNetwork):
 
     def forward(self, maps: Tensor) -> Tensor:
         """Logits of every cell's class."""
-        logits: Tensor = self.head(self._trunk(maps))
-        return logits
+        return self._logits(self._trunk(maps))
 
     def with_reasons(self, maps: Tensor) -> tuple[Tensor, Tensor]:
         """Logits of every cell's class and of its reason (n, 5, 40, 40): a second target to learn from, not for use."""
         assert self.reason_head is not None, "the recipe learns reasons"
         trunk = self._trunk(maps)
-        return self.head(trunk), self.reason_head(trunk)
+        return self._logits(trunk), self.reason_head(trunk)
 
     def drop_training_parts(self) -> None:
         """The reasons go."""
@@ -97,6 +99,10 @@ class FootNet(FootholdNetwork):
 
     def _trunk(self, maps: Tensor) -> Tensor:
         return self._with_context(self.cells(self._first(maps)), 0)
+
+    def _logits(self, trunk: Tensor) -> Tensor:
+        logits: Tensor = self.head(trunk)
+        return logits.clamp(-LARGEST_LOGIT, LARGEST_LOGIT)
 
     def _with_context(self, cells: Tensor, level: int) -> Tensor:
         """Residual layers of one resolution, after what the coarser ones add."""

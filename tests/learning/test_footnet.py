@@ -11,7 +11,7 @@ from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import tilt_rotation
 from footsel.learning.build import build_network
 from footsel.learning.erfnet import ERFNet
-from footsel.learning.footnet import FootNet
+from footsel.learning.footnet import LARGEST_LOGIT, FootNet
 from footsel.learning.place import Place
 from footsel.learning.recipe import FEATURES, Recipe
 from footsel.learning.tilt import Tilt
@@ -87,6 +87,16 @@ def test_reasons_are_learnt_beside_and_can_go(network):
     without.drop_training_parts()
     assert torch.equal(without(maps), logits)
     assert set(net.state_dict()) - set(without.state_dict()) == {"reason_head.weight", "reason_head.bias"}
+
+
+def test_no_logit_is_surer_than_anyone_needs(network):
+    """However steep a network has become: where no leg reaches nothing holds it, and rounding grows with logits."""
+    net = network(reasons=True)
+    torch.nn.init.normal_(net.head.weight, 0, 1000.0)
+    maps = torch.rand(2, 4, 40, 40)
+    with torch.no_grad():
+        for logits in (net(maps), net.with_reasons(maps)[0]):
+            assert logits.abs().max() == LARGEST_LOGIT
 
 
 def test_no_constant_is_stored_with_the_weights(network):
