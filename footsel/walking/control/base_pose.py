@@ -26,7 +26,7 @@ STABILITY_MARGIN = 0.055
 LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
 #: A swinging leg may be shorter, but the nearer its foot comes to the hip, the faster its joints have to turn, and the
 #: harder the base is pushed: at 0.1 m the robot falls. [m]
-FOLDED_LEG = 0.18
+FOLDED_LEG = 0.13
 #: The base tilts no further. [rad]
 STEEPEST = 0.4
 #: A leg longer than this is told to shorten, if it costs little: the base goes down where feet stand on different
