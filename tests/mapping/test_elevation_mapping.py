@@ -106,6 +106,37 @@ def test_what_was_removed_goes_and_what_stands_stays(worlds):
     assert np.nanmax(after) < 0.03 and np.isfinite(after).mean() > 0.8
 
 
+def test_an_edge_is_where_most_images_have_it(worlds):
+    """A robot comes to an edge that goes down: far images fray it, and most of them look past what is not there."""
+    scene, edge = worlds.Scene((((-2, -2, -1), (1.5, 2, 0.15)),)), 1.5
+    mapping = ElevationMapping()
+    for k in range(40):
+        base = worlds.base_at(0.03 * k, 0.0)
+        mapping.move(base)
+        look(mapping, scene, worlds.placement(0.03 * k, 0.0, 0.6), k)
+    found = mapping.elevation_map()
+    beside = np.abs(found.y()) < 0.4
+    upper = found.elevation[:, beside] > 0.1
+    beyond, before = (
+        (found.x() > edge + low) & (found.x() < edge + high) for low, high in ((0.02, 0.3), (-0.3, -0.02))
+    )
+    assert upper[beyond].sum() <= 0.01 * upper[beyond].size
+    assert upper[before].mean() > 0.98
+
+
+def test_nothing_uncertain_stands_for_long_where_images_show_lower_ground(worlds):
+    """A post that has gone, so uncertain that no image looks through all that it might be."""
+    mapping, eye = ElevationMapping(), worlds.placement(0, 0, 0.6)
+    mapping.move(worlds.base_at(0, 0))
+    look(mapping, worlds.Scene((((1.0, -0.02, -1), (1.04, 0.02, 0.29)),)), eye, 0)
+    post = np.isfinite(mapping.elevation_map().elevation) & (mapping.elevation_map().elevation > 0.26)
+    assert 2 <= post.sum() < 40
+    mapping.move(worlds.base_at(0, 0), np.diag([0, 0, 0.1**2, 0, 0, 0]))
+    for k in range(1, 20):
+        look(mapping, worlds.Scene(), eye, k)
+    assert not (mapping.elevation_map().elevation[post] > 0.1).any()
+
+
 def test_a_cell_behind_an_obstacle_is_not_forgotten(worlds):
     mapping = ElevationMapping()
     mapping.move(worlds.base_at(0, 0))
