@@ -86,8 +86,8 @@ class Walker:
     ) -> None:
         self._dynamics = Dynamics(robot)
         self._lookout = Lookout(robot, line, watch_limbs) if learns else None
-        # What the base is told to do once it has looked.
-        self._after_look: list[tuple[float, Array]] = []
+        # What is left of a look: how long each move of the base takes, in [s], and where to (6,).
+        self._nods: list[tuple[float, Array]] = []
         self._planner = StepPlanner(robot, selector, line, chosen, watch_limbs)
         self._legs = LegLength(robot)
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
@@ -148,7 +148,7 @@ class Walker:
         elif self.phase in (Phase.PAUSE, Phase.SHIFT, Phase.LOOK) and state.time >= self._until:
             if self.phase is Phase.SHIFT:
                 self._lift(state)
-            elif self.phase is Phase.LOOK and self._after_look:
+            elif self.phase is Phase.LOOK and self._nods:
                 self._nod(state.time)
             else:
                 self._plan(state)
@@ -187,14 +187,14 @@ class Walker:
         duration = SHORTEST_SHIFT + max(
             float(np.linalg.norm((there - back)[:3])) / SHIFT_SPEED, float(np.abs(there - back)[3:5].max()) / NOD_SPEED
         )
-        self._after_look = [(duration, there), (LOOK_SECONDS, there), (duration, back)]
+        self._nods = [(duration, there), (LOOK_SECONDS, there), (duration, back)]
         self.phase = Phase.LOOK
         self._nod(time)
         return True
 
     def _nod(self, time: float) -> None:
         """The next move of a look."""
-        duration, goal = self._after_look.pop(0)
+        duration, goal = self._nods.pop(0)
         self._move_base(time, duration, goal, np.zeros(6))
         self._until = time + duration
 
