@@ -58,10 +58,12 @@ def read_cells(
     world_camera: NDArray[np.float64],
     grid: Grid,
     config: MappingConfig,
+    doubted: NDArray[np.float64],
 ) -> CellReadings:
     """The uppermost surface in each cell that an image shows, with the camera's noise as its variance.
 
     depth: (height, width), 0 is no reading, in [m]. world_camera: (4, 4) placement of the camera's frame in W.
+    doubted: (cells^2,) heights at which no reading counts, as other images look past them; NaN elsewhere, in [m].
 
     A pixel is a direction that is known and a depth that is not. Where the depth is off by e, the reading is e d_z too
     high and e d_h too far, d_z and d_h being how much the ray rises and how far it goes per metre of depth. On ground
@@ -83,6 +85,9 @@ def read_cells(
     heights = z * directions[2]
     steepness = np.array([config.slope, config.slope, 1], dtype=np.float32) ** 2 @ directions**2
     variances = camera.noise.sigma(z) ** 2 * steepness + np.float32((config.slope * config.resolution) ** 2 / 6)
+    counts = np.abs(heights - (doubted[cells] - world_camera[2, 3])) > config.gate * np.sqrt(2 * variances)
+    counts |= np.isnan(doubted[cells])
+    cells, heights, variances = cells[counts], heights[counts], variances[counts]
 
     readings = _Averages.of(cells, heights, variances, grid.cells**2)
     several = readings.excess > config.spread**2

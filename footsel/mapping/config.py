@@ -19,6 +19,8 @@ class MappingConfig:
     multi_height_variance: what a cell's variance grows by when a reading contradicts it, in [m^2].
     variance: bounds of a cell's height variance, in [m^2]. horizontal_variance: of its place's, likewise.
     sight: a cell is removed if an image looks through it so many standard deviations below its top.
+    doubt: a cell is hidden once this many more images looked past its top than at it. votes: no more are counted,
+    either way, so that it may show again.
     body_margin: how much thicker the robot's own bodies are taken to be, in [m].
     """
 
@@ -31,6 +33,8 @@ class MappingConfig:
     variance: tuple[float, float] = (9e-6, 0.01)
     horizontal_variance: tuple[float, float] = (1e-4, 0.25)
     sight: float = 3.0
+    doubt: float = 5.0
+    votes: float = 8.0
     body_margin: float = 0.05
 
     def __post_init__(self) -> None:
@@ -38,7 +42,7 @@ class MappingConfig:
             raise InputError(
                 f"a map of {self.cells} cells of {self.resolution} m a side", "expected two or more, above 0 m"
             )
-        for name in ("gate", "spread", "slope", "multi_height_variance", "sight", "body_margin"):
+        for name in ("gate", "spread", "slope", "multi_height_variance", "sight", "doubt", "votes", "body_margin"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise InputError(f"{name} is {value}", "expected a number from 0")

@@ -13,7 +13,7 @@ from footsel.mapping.cell_readings import CellReadings, read_cells
 from footsel.mapping.config import MappingConfig
 from footsel.mapping.grid import Grid, moved
 from footsel.mapping.motion import attitude_variance, motion_variance
-from footsel.mapping.visibility import seen_through
+from footsel.mapping.visibility import doubts, seen_through
 from footsel.terrain import ElevationMap
 
 Array = NDArray[np.float64]
@@ -45,22 +45,24 @@ class ElevationMapping:
         # What of the variance came with the robot's motion since the cell was seen.
         self._drift_variance = np.full((n, n), np.nan)
         self._place_variance = np.full((n, n, 2), np.nan)
+        # How many more images looked past a cell's top than at it, of late.
+        self._doubt = np.zeros((n, n))
         self._base: Array | None = None
         self._covariance = np.zeros((6, 6))
 
     @property
     def variance(self) -> NDArray[np.float32]:
         """(nx, ny) variance of each cell's height, NaN where it is unknown, in [m^2]."""
-        return self._variance.astype(np.float32)
+        return self._shown(self._variance).astype(np.float32)
 
     @property
     def horizontal_variance(self) -> NDArray[np.float32]:
         """(nx, ny, 2) variance of each cell's x and y, NaN where it is unknown, in [m^2]."""
-        return self._place_variance.astype(np.float32)
+        return self._shown(self._place_variance).astype(np.float32)
 
     def elevation_map(self) -> ElevationMap:
         """The map as known now, in W."""
-        return ElevationMap(self._height.astype(np.float32), self.config.resolution, self._grid.position)
+        return ElevationMap(self._shown(self._height).astype(np.float32), self.config.resolution, self._grid.position)
 
     def uncertainty(self) -> NDArray[np.float32]:
         """(nx, ny) standard deviation of the terrain's height at each cell's centre, in [m].
@@ -68,8 +70,9 @@ class ElevationMapping:
         Of the cell's height and, to first order, of its place: where the map is steep, a cell that lies elsewhere has
         another height. NaN where the cell is unknown; beside unknown cells the slope is that to the other side.
         """
-        steps = np.stack([_steepest(self._height, axis) for axis in (0, 1)], axis=-1) / self.config.resolution
-        total = self._variance + (steps**2 * self._place_variance).sum(axis=-1)
+        height = self._shown(self._height)
+        steps = np.stack([_steepest(height, axis) for axis in (0, 1)], axis=-1) / self.config.resolution
+        total = self._shown(self._variance) + (steps**2 * self._place_variance).sum(axis=-1)
         return np.asarray(np.sqrt(total), dtype=np.float32)
 
     def move(self, world_base: ArrayLike, pose_covariance: ArrayLike | None = None) -> None:
@@ -87,6 +90,7 @@ class ElevationMapping:
             self._variance = moved(self._variance, shift, np.nan)
             self._drift_variance = moved(self._drift_variance, shift, np.nan)
             self._place_variance = moved(self._place_variance, shift, np.nan)
+            self._doubt = moved(self._doubt, shift, 0.0)
         self._grid = grid
         if self._base is not None:
             growth = motion_variance(self._base, self._covariance, base, covariance)
@@ -117,12 +121,15 @@ class ElevationMapping:
             image = without_bodies(image, camera, bodies)
         if not image.any():
             return
-        readings = read_cells(image, camera, placement, self._grid, self.config)
+        doubted = np.where(self._hidden, self._height, np.nan).reshape(-1)
+        readings = read_cells(image, camera, placement, self._grid, self.config, doubted)
         if self._base is not None:
             noise = attitude_variance(self._grid.centres(readings.cells), self._base, self._covariance)
             readings = replace(readings, variance=readings.variance + noise, lasting=noise)
         self._forget_what_is_seen_through(image, camera, placement, readings)
+        lower = readings.cells[self._lower(readings)]
         self._fuse(readings)
+        self._vote(image, camera, placement, lower)
         self._hold_variances()
 
     def touch(self, points: ArrayLike, variance: float) -> None:
@@ -145,7 +152,7 @@ class ElevationMapping:
         on_map = ((index >= 0) & (index < self._grid.cells)).all(axis=1)
         for (i, j), height in zip(index[on_map], places[on_map, 2], strict=True):
             error, total = height - self._height[i, j], self._variance[i, j] + variance
-            if error**2 <= self.config.gate**2 * total:
+            if not self._hidden[i, j] and error**2 <= self.config.gate**2 * total:
                 shared = np.minimum(self._drift_variance, self._drift_variance[i, j])
                 self._height += shared / total * error
                 self._variance -= shared**2 / total
@@ -170,11 +177,12 @@ class ElevationMapping:
             )
         low, high = places[:, :2].min(axis=0) - margin, places[:, :2].max(axis=0) + margin
         centres = self._grid.centres(np.arange(self.config.cells**2))
-        patch = ((centres >= low) & (centres <= high)).all(axis=1) & np.isnan(self._height.reshape(-1))
+        patch = ((centres >= low) & (centres <= high)).all(axis=1) & np.isnan(self._shown(self._height)).reshape(-1)
         middle = places.mean(axis=0)
         slope, *_ = np.linalg.lstsq(places[:, :2] - middle[:2], places[:, 2] - middle[2], rcond=None)
         cells = np.flatnonzero(patch)
         heights = middle[2] + (centres[cells] - middle[:2]) @ slope
+        self._height.reshape(-1)[cells] = np.nan
         self._fuse(CellReadings(cells, heights, np.full(len(cells), variance), np.zeros(len(cells))))
         self._hold_variances()
 
@@ -193,14 +201,47 @@ class ElevationMapping:
         self._drift_variance.reshape(-1)[gone] = np.nan
         self._place_variance.reshape(-1, 2)[gone] = np.nan
 
+    def _vote(
+        self, image: NDArray[np.float32], camera: CameraModel, world_camera: Array, lower: NDArray[np.intp]
+    ) -> None:
+        """Let the image say of each cell whether its top is there; no more votes are kept than the config says.
+
+        lower: cells in which it shows lower ground than the map has, which no camera would see if its top were there.
+        """
+        height, doubt = self._height.reshape(-1), self._doubt.reshape(-1)
+        cells = np.flatnonzero(~np.isnan(height))
+        points = np.column_stack([self._grid.centres(cells), height[cells]])
+        votes = np.zeros_like(height)
+        votes[cells] = doubts(image, camera, world_camera, points, self._variance.reshape(-1)[cells], self.config.sight)
+        votes[lower] = 1.0
+        np.clip(doubt + votes, -self.config.votes, self.config.votes, out=doubt)
+
+    @property
+    def _hidden(self) -> NDArray[np.bool_]:
+        """(n, n) which cells have had enough images against them."""
+        return self._doubt > self.config.doubt
+
+    def _shown(self, layer: Array) -> Array:
+        """A layer (n, n, ...) without what is hidden."""
+        hidden = self._hidden.reshape(self._doubt.shape + (1,) * (layer.ndim - 2))
+        return np.where(hidden, np.nan, layer)
+
     def _agree(self, readings: CellReadings) -> NDArray[np.bool_]:
         """(m,) which readings may be of what the map has there."""
         height, variance = self._height.reshape(-1)[readings.cells], self._variance.reshape(-1)[readings.cells]
         squares = (readings.height - height) ** 2
         return np.asarray(squares <= self.config.gate**2 * (variance + readings.variance))
 
+    def _lower(self, readings: CellReadings) -> NDArray[np.bool_]:
+        """(m,) which readings are of lower ground than the map shows there."""
+        cells = readings.cells
+        below = readings.height < self._height.reshape(-1)[cells]
+        return np.asarray(below & ~self._agree(readings) & ~self._hidden.reshape(-1)[cells])
+
     def _fuse(self, readings: CellReadings) -> None:
-        """One step of a Kalman filter in each cell that knows something; new cells take the reading as it is.
+        """One step of a Kalman filter in each cell that knows something.
+
+        New cells take the reading as it is, and so do hidden ones that it contradicts.
 
         The attitude errs for longer than from image to image, so many images do not average its errors away: no cell
         becomes surer by a reading than those leave it.
@@ -208,7 +249,9 @@ class ElevationMapping:
         height, variance = self._height.reshape(-1), self._variance.reshape(-1)
         drift_variance = self._drift_variance.reshape(-1)
         cells = readings.cells
-        new, agree = np.isnan(height[cells]), self._agree(readings)
+        agree, doubt = self._agree(readings), self._doubt.reshape(-1)
+        new = np.isnan(height[cells]) | (~agree & self._hidden.reshape(-1)[cells])
+        doubt[cells[new]] = 0.0
         height[cells[new]], variance[cells[new]] = readings.height[new], readings.variance[new]
         drift_variance[cells[new]] = 0.0
 

@@ -11,6 +11,9 @@ from footsel.terrain import ElevationMap
 class MapSource(ABC):
     """Gives the elevation map that selector, planner and swing read; nobody else tells them about the ground."""
 
+    #: Whether it may know more after another look.
+    learns: bool = False
+
     @abstractmethod
     def update(self, time: float, base: NDArray[np.float64], joints: NDArray[np.float64]) -> None:
         """Take notice of the world at a time of the walk, called about ten times a second.

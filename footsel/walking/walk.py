@@ -106,7 +106,14 @@ class _Walk:
         self._state = self.estimator.estimate(self.simulation.state())
         self._notice_world()
         self.walker = Walker(
-            self.robot, self.selector, self.line, self._map, self._chosen, self._state, self.watch_limbs
+            self.robot,
+            self.selector,
+            self.line,
+            self._map,
+            self._chosen,
+            self._state,
+            self.watch_limbs,
+            self.source.learns,
         )
 
     def go(self, limit: float) -> str:

@@ -106,6 +106,36 @@ def test_what_was_removed_goes_and_what_stands_stays(worlds):
     assert np.nanmax(after) < 0.03 and np.isfinite(after).mean() > 0.8
 
 
+def test_votes_take_back_what_frays_beyond_an_edge_and_nothing_before_it(worlds):
+    """A robot comes to an edge that goes down; the same images without votes leave a quarter more beyond it."""
+    scene, edge = worlds.Scene((((-2, -2, -1), (1.5, 2, 0.15)),)), 1.5
+    beyond = {}
+    for doubt in (MappingConfig().doubt, 1e9):
+        mapping = ElevationMapping(MappingConfig(doubt=doubt))
+        for k in range(60):
+            mapping.move(worlds.base_at(0.01 * k, 0.0))
+            look(mapping, scene, worlds.placement(0.01 * k, 0.0, 0.6), k)
+        found = mapping.elevation_map()
+        upper = found.elevation[:, np.abs(found.y()) < 0.4] > 0.1
+        beyond[doubt] = int(upper[(found.x() > edge + 0.02) & (found.x() < edge + 0.3)].sum())
+        assert upper[(found.x() > edge - 0.3) & (found.x() < edge - 0.02)].mean() > 0.99
+    votes, none = beyond.values()
+    assert none > 30 and votes < 0.85 * none
+
+
+def test_nothing_uncertain_stands_for_long_where_images_show_lower_ground(worlds):
+    """A post that has gone, so uncertain that no image looks through all that it might be."""
+    mapping, eye = ElevationMapping(), worlds.placement(0, 0, 0.6)
+    mapping.move(worlds.base_at(0, 0))
+    look(mapping, worlds.Scene((((1.0, -0.02, -1), (1.04, 0.02, 0.29)),)), eye, 0)
+    post = np.isfinite(mapping.elevation_map().elevation) & (mapping.elevation_map().elevation > 0.26)
+    assert 2 <= post.sum() < 40
+    mapping.move(worlds.base_at(0, 0), np.diag([0, 0, 0.1**2, 0, 0, 0]))
+    for k in range(1, 20):
+        look(mapping, worlds.Scene(), eye, k)
+    assert not (mapping.elevation_map().elevation[post] > 0.1).any()
+
+
 def test_a_cell_behind_an_obstacle_is_not_forgotten(worlds):
     mapping = ElevationMapping()
     mapping.move(worlds.base_at(0, 0))

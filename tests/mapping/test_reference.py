@@ -13,7 +13,7 @@ CAMERAS = {
 
 
 class Reference:
-    """Cells of the world that something is known of: (i, j) -> [height, variance, variance of x, of y]."""
+    """Cells of the world that something is known of: (i, j) -> [height, variance, variance of x, of y, doubt]."""
 
     def __init__(self, config: MappingConfig) -> None:
         self.config, self.cells, self.base, self.covariance = config, {}, None, np.zeros((6, 6))
@@ -54,7 +54,7 @@ class Reference:
                 variance = camera.noise.sigma(np.float64(z)) ** 2 * (ray_z + c.slope**2 * (ray_x + ray_y))
                 variance += (c.slope * c.resolution) ** 2 / 6
                 cell = tuple(int(np.floor(x / c.resolution)) for x in point[:2])
-                if self.on_map(cell):
+                if self.on_map(cell) and not self.doubted(cell, point[2], variance):
                     readings.setdefault(cell, []).append((point[2], variance))
         found = {}
         for cell, of_cell in readings.items():
@@ -66,16 +66,35 @@ class Reference:
         for cell in self.cells.keys() - agree:
             if self.seen_through(cell, clean, camera, placement):
                 del self.cells[cell]
+        self.learn(found, agree, clean, camera, placement)
+
+    def learn(self, found, agree, image, camera, placement):
+        c = self.config
+        contradicted = found.keys() & self.cells.keys() - agree
+        lower = {cell for cell in contradicted if found[cell][0] < self.cells[cell][0] and not self.hidden(cell)}
         for cell, (height, variance, lasting) in found.items():
             if cell not in self.cells:
-                self.cells[cell] = [height, variance, 0, 0]
+                self.cells[cell] = [height, variance, 0, 0, 0]
             elif cell in agree:
-                before, old, *_ = self.cells[cell]
+                before, old, _, _, doubt = self.cells[cell]
                 surer = min(old, max(old * variance / (old + variance), lasting))
-                self.cells[cell] = [(old * height + variance * before) / (old + variance), surer, 0, 0]
+                self.cells[cell] = [(old * height + variance * before) / (old + variance), surer, 0, 0, doubt]
+            elif self.hidden(cell):
+                self.cells[cell] = [height, variance, 0, 0, 0]
             else:
                 self.cells[cell][1] += c.multi_height_variance
+        for cell, values in self.cells.items():
+            doubt = values[4] + (1 if cell in lower else self.doubt(cell, image, camera, placement))
+            values[4] = min(max(doubt, -c.votes), c.votes)
         self.hold()
+
+    def hidden(self, cell):
+        return cell in self.cells and self.cells[cell][4] > self.config.doubt
+
+    def doubted(self, cell, height, variance):
+        if not self.hidden(cell):
+            return False
+        return abs(height - self.cells[cell][0]) <= self.config.gate * np.sqrt(2 * variance)
 
     def summary(self, readings, camera):
         heights, variances = np.array(readings).T
@@ -105,6 +124,26 @@ class Reference:
         around = depth[round(v) - 1 : round(v) + 2, round(u) - 1 : round(u) + 2].min()
         return around - self.config.sight * camera.noise.sigma(around) > z
 
+    def doubt(self, cell, depth, camera, placement):
+        height, variance, *_ = self.cells[cell]
+        x, y, z = placement[:3, :3].T @ (np.array([*self.centre(cell), height]) - placement[:3, 3])
+        if z <= 0:
+            return 0
+        u, v = x / z * camera.fx + camera.cx, y / z * camera.fy + camera.cy
+        if not (0 <= u <= camera.width - 1 and 0 <= v <= camera.height - 1):
+            return 0
+        u, v = round(u), round(v)
+        end = depth[v, u]
+        if end == 0:
+            return 0
+        rise = (placement[:3, :3] @ [(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1])[2]
+        sigma = camera.noise.sigma(end)
+        below = height - (placement[2, 3] + rise * end)
+        differs = self.config.sight * np.sqrt(variance + (rise * sigma) ** 2)
+        if abs(below) <= differs:
+            return -1
+        return int(below > differs and end - z > self.config.sight * sigma)
+
     def inside(self, point, body):
         axis, radius = body.end - body.start, body.radius + self.config.body_margin
         t = np.clip((point - body.start) @ axis / (axis @ axis), 0, 1)
@@ -113,7 +152,7 @@ class Reference:
     def hold(self):
         for values in self.cells.values():
             values[1] = np.clip(values[1], *self.config.variance)
-            values[2:] = np.clip(values[2:], *self.config.horizontal_variance)
+            values[2:4] = np.clip(values[2:4], *self.config.horizontal_variance)
 
     def on_map(self, cell):
         half = self.config.cells // 2
@@ -125,7 +164,9 @@ class Reference:
     def layers(self):
         n = self.config.cells
         layers = np.full((4, n, n), np.nan)
-        for cell, values in self.cells.items():
+        for cell, (*values, _) in self.cells.items():
+            if self.hidden(cell):
+                continue
             layers[:, cell[0] - self.middle[0] + n // 2, cell[1] - self.middle[1] + n // 2] = values
         return layers
 

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 #: The base takes this share of the tilt of the plane through the feet.
 TILT_SHARE = 0.8
+#: The base is so much lower while the head is down: its hind legs are not long enough else. [m]
+CROUCH = 0.06
 #: How far the base moves while a leg swings. [m]
 SWAY = 0.05
 #: How far the base gets along the line while a foot stands, from its landing until it lifts. [m]
@@ -152,6 +154,12 @@ class StepPoses:
         balance = _balance(now, leg, poses, np.array([state[2][:2] for state in states]))
         return replace(lift, clearance=min(*shift, float(clear.min())), balance=balance), feet[int(np.argmin(clear))]
 
+    def head_down(self, now: Situation, pitch: float, way: float) -> PoseAnswer:
+        """On all four feet, with the head as low as it gets up to a pitch, in [rad], and so far ahead, in [m]."""
+        place = now.base.position + self._turn @ [way, 0.0, -CROUCH]
+        tilt = np.array([TILT_SHARE * plane_tilt(now.feet @ self._turn)[0], pitch])
+        return self._solve(now, place, tilt, now.feet, now.base)
+
     def lack_at_end_of_stance(self, now: Situation, leg: str, touchdown: BasePose, targets: Array) -> Array:
         """(n,) by how much the leg would be too long and a limb too near to the ground just before it lifts again, in
         [m], if its foot's centre were at each of targets (n, 3) and the base went on as the feet's plane rises.
@@ -180,16 +188,20 @@ class StepPoses:
         tilt: Array,
         feet: Array,
         guess: BasePose,
-        leg: str,
+        leg: str | None = None,
         following: Array | None = None,
         others: Array | None = None,
     ) -> PoseAnswer:
-        """others: (4, 3) places of the feet at which limbs have to be clear, and legs not folded, as well."""
+        """leg: that does not stand, if any.
+
+        others: (4, 3) places of the feet at which limbs have to be clear, and legs not folded, as well.
+        """
 
         def limbs(pose: BasePose) -> Clearance:
             clearance = self._limbs.at(now.obstacles, pose, feet)
             return clearance if others is None else clearance.worse(self._limbs.at(now.obstacles, pose, others))
 
+        standing = feet if leg is None else np.delete(feet, LEGS.index(leg), axis=0)
         problem = PoseProblem(
             yaw=self._yaw,
             place=place,
@@ -197,7 +209,7 @@ class StepPoses:
             legs=self._legs,
             feet=feet,
             com=now.com,
-            support=counter_clockwise(np.delete(feet, LEGS.index(leg), axis=0)[:, :2]),
+            support=counter_clockwise(standing[:, :2]),
             next_support=following,
             limbs=limbs,
             passing=others,

@@ -19,8 +19,10 @@ from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.quintic import Quintic
 from footsel.walking.control.whole_body import Task, whole_body_effort
 from footsel.walking.gait.line import Line
+from footsel.walking.gait.look import Lookout
 from footsel.walking.gait.narrow_holes import without_narrow_holes
 from footsel.walking.gait.planner import NoStep, Step, StepPlanner
+from footsel.walking.gait.poses import Situation
 from footsel.walking.gait.swing import Swing, plan_swing
 from footsel.walking.observer import Choice
 from footsel.walking.state import RobotState
@@ -37,6 +39,8 @@ STANCE_DAMPING = 10.0
 PAUSE = 0.4
 #: Of the base between two swings: at least, and on average beyond that. [s], [m/s]
 SHORTEST_SHIFT, SHIFT_SPEED = 0.24, 0.25
+#: To look down: how fast the head goes, and how long it stays there. [rad/s], [s]
+NOD_SPEED, LOOK_SECONDS = 0.4, 0.4
 #: A foot takes up its load, and gives it up, in this time. [s]
 LOAD_SECONDS, UNLOAD_SECONDS = 0.12, 0.10
 #: The most that a standing foot is asked to carry, and the least. [N]
@@ -57,6 +61,7 @@ class Phase(Enum):
     PAUSE = "pause"
     SHIFT = "shift"
     SWING = "swing"
+    LOOK = "look"
     STOPPED = "stopped"
 
 
@@ -65,7 +70,7 @@ class Walker:
 
     phase, step, steps: what it is doing, for which step, and how many it has completed. reason: why it stopped before
     the goal. target: (6,) pose that the base is told to have now. motion: terms of the last tick.
-    watch_limbs: as of StepPoses.
+    watch_limbs: as of StepPoses. learns: whether the map may know more after another look.
     """
 
     def __init__(
@@ -77,8 +82,12 @@ class Walker:
         chosen: Callable[[Choice], None],
         state: RobotState,
         watch_limbs: bool = True,
+        learns: bool = False,
     ) -> None:
         self._dynamics = Dynamics(robot)
+        self._lookout = Lookout(robot, line, watch_limbs) if learns else None
+        # What is left of a look: how long each move of the base takes, in [s], and where to (6,).
+        self._nods: list[tuple[float, Array]] = []
         self._planner = StepPlanner(robot, selector, line, chosen, watch_limbs)
         self._legs = LegLength(robot)
         self._line, self._map, self._radius = line, elevation_map, robot.description.foot_radius
@@ -136,9 +145,11 @@ class Walker:
         """Go on to the next phase if this one is over."""
         if self.phase is Phase.SWING:
             self._watch_swing(state)
-        elif self.phase in (Phase.PAUSE, Phase.SHIFT) and state.time >= self._until:
+        elif self.phase in (Phase.PAUSE, Phase.SHIFT, Phase.LOOK) and state.time >= self._until:
             if self.phase is Phase.SHIFT:
                 self._lift(state)
+            elif self.phase is Phase.LOOK and self._nods:
+                self._nod(state.time)
             else:
                 self._plan(state)
 
@@ -149,9 +160,12 @@ class Walker:
             self._stop(time, "")
             return
         com = (self.motion.com - state.base[:3, 3]) @ state.base[:3, :3]
+        if self._look(time, pose, com, stuck=False):
+            return
         answer = self._planner.plan(time, self._map(), self.motion.feet, pose, com)
         if isinstance(answer, NoStep):
-            self._stop(time, answer.reason)
+            if not self._look(time, pose, com, stuck=True):
+                self._stop(time, answer.reason)
             return
         self.step = answer
         lift = answer.lift.answer.pose
@@ -161,6 +175,28 @@ class Walker:
         speed = answer.lift.speed(answer.touchdown, self._swing)
         self._move_base(time, duration, np.array(lift.as_list()), speed)
         self.phase, self._until = Phase.SHIFT, time + duration
+
+    def _look(self, time: float, pose: BasePose, com: Array, stuck: bool) -> bool:
+        """Begin to look down, if that may tell more."""
+        if self._lookout is None:
+            return False
+        down = self._lookout.pose(Situation(self._map(), self.motion.feet, pose, com), stuck)
+        if down is None:
+            return False
+        there, back = np.array(down.as_list()), self.target.copy()
+        duration = SHORTEST_SHIFT + max(
+            float(np.linalg.norm((there - back)[:3])) / SHIFT_SPEED, float(np.abs(there - back)[3:5].max()) / NOD_SPEED
+        )
+        self._nods = [(duration, there), (LOOK_SECONDS, there), (duration, back)]
+        self.phase = Phase.LOOK
+        self._nod(time)
+        return True
+
+    def _nod(self, time: float) -> None:
+        """The next move of a look."""
+        duration, goal = self._nods.pop(0)
+        self._move_base(time, duration, goal, np.zeros(6))
+        self._until = time + duration
 
     def _lift(self, state: RobotState) -> None:
         assert self.step is not None

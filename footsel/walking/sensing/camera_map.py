@@ -50,6 +50,8 @@ class CameraMap(MapSource):
     On the way, the feet that stand say how far the map has drifted since the ground around them was seen.
     """
 
+    learns = True
+
     def __init__(
         self,
         robot: Robot,
