@@ -39,9 +39,10 @@ COMMANDS = {
     "verify_pybullet.json": "make verify-pybullet",
     "walks.json": "footsel compare --walk",
     "walks_camera.json": "footsel compare --walk --map camera",
+    "walks_classic.json": "footsel compare --walk stairs stones",
     "walks_maps.json": "footsel compare --walk MAPS",
     "walks_nominal.json": "footsel compare --walk stones --selectors nominal cnn",
-    "walks_rubble.json": "footsel compare --walk rubble",
+    "walks_plain.json": "footsel compare --walk --selectors cnn nominal terrain_only",
     "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
 
@@ -797,11 +798,12 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/walking.md": {
         "gains": gains,
         "walks": lambda: walks("walks.json"),
-        "rubble": lambda: walks("walks_rubble.json"),
+        "plain": lambda: walks("walks_plain.json"),
         "nominal": lambda: walks("walks_nominal.json"),
-        "differences": lambda: walk_differences("walks_rubble.json"),
+        "differences": lambda: walk_differences("walks_plain.json"),
         "means": lambda: walk_means("walks.json"),
         "unwatched": lambda: walk_contacts("walks_unwatched.json"),
+        "classic": lambda: walks("walks_classic.json"),
         "camera": lambda: walks("walks_camera.json"),
         "maps": lambda: walks("walks_maps.json"),
     },
