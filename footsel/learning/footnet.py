@@ -32,8 +32,8 @@ from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt
 from footsel.terrain import CELLS
 
-#: Logits go this far from zero. More would be surer than one in a hundred thousand, which nothing needs, and what rounding
-#: changes grows with them: where no leg reaches they came to 50.
+#: Logits go this far from zero. More would be surer than one in a hundred thousand, which nothing needs, and what
+#: rounding changes grows with them: where no leg reaches they came to 50.
 LARGEST_LOGIT = 12.0
 #: Dilations of the residual layers of one stage, repeated as needed; the map ends 5 cells from the middle at 10x10.
 DILATIONS = (1, 2, 4, 2)
