@@ -42,6 +42,7 @@ COMMANDS = {
     "walks_classic.json": "footsel compare --walk stairs stones",
     "walks_maps.json": "footsel compare --walk MAPS",
     "walks_nominal.json": "footsel compare --walk stones --selectors nominal cnn",
+    "walks_others.json": "footsel compare --walk stones_hard gaps rough slopes stairs12 flat",
     "walks_plain.json": "footsel compare --walk --selectors cnn nominal terrain_only",
     "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
@@ -803,6 +804,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "differences": lambda: walk_differences("walks_plain.json"),
         "means": lambda: walk_means("walks.json"),
         "unwatched": lambda: walk_contacts("walks_unwatched.json"),
+        "others": lambda: walks("walks_others.json"),
         "classic": lambda: walks("walks_classic.json"),
         "camera": lambda: walks("walks_camera.json"),
         "maps": lambda: walks("walks_maps.json"),
