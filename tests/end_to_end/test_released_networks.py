@@ -12,12 +12,13 @@ SEED = 300
 
 @pytest.fixture(scope="module")
 def figures():
-    return compare(built_in_courses(SEED), ["oracle", "cnn", "cnn+verify"], poses=25, seed=SEED).figures()
+    # Of 1,000 picks of which 0.5 % are wrong, chance alone makes 0.7 % one time in six.
+    return compare(built_in_courses(SEED), ["oracle", "cnn", "cnn+verify"], poses=100, seed=SEED).figures()
 
 
 def test_the_network_errs_as_rarely_as_it_says(figures):
     cnn, cells = figures["selectors"]["cnn"], figures["cells"]["cnn"]
-    assert cnn["picks"] > 1000
+    assert cnn["picks"] > 4000
     assert cnn["infeasible_rate"] <= 0.007 and cnn["missed_rate"] <= 0.01 and cnn["regret_mean"] <= 4
     assert cnn["unknown_picks"] == 0
     assert cells["accuracy"] >= 0.95 and cells["miou_present"] >= 0.85 and cells["false_safe_rate"] <= 0.01
