@@ -146,6 +146,18 @@ def test_another_seed_is_another_training(data, tmp_path):
     assert curve(tmp_path / "0") != curve(tmp_path / "1")
 
 
+def test_a_training_learns_at_the_heights_that_its_recipe_shifts_by(data, tmp_path, monkeypatch):
+    """Also where that is all that a recipe changes of its maps."""
+    shifts, seen = [], training.as_seen
+    monkeypatch.setattr(training, "as_seen", lambda *args, **named: shifts.append(args[4]) or seen(*args, **named))
+    recipe = replace(QUICK["footsel"], epochs=1, noise=0.0, holes=0.0)
+    for shift in (0.0, 0.02):
+        fit(data, tmp_path / str(shift), replace(recipe, shift=shift))
+    assert shifts and set(shifts) == {0.02}
+    losses = [curve(tmp_path / str(shift))[0]["train_loss"] for shift in (0.0, 0.02)]
+    assert losses[0] != losses[1]
+
+
 def test_noise_makes_another_training_whose_labels_are_the_same(data, tmp_path):
     recipe = replace(QUICK["footsel"], epochs=1)
     heights = data.training.heights_tenth_mm.copy()
