@@ -10,7 +10,7 @@ from footsel.footholds import BasePose, Foothold
 from footsel.legs import LEGS
 from footsel.robot.robot import Robot
 from footsel.selectors import Selector
-from footsel.terrain import ElevationMap
+from footsel.terrain import CELLS, ElevationMap
 from footsel.walking.gait.line import Line
 from footsel.walking.gait.poses import LEAST_BALANCE, Lift, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import places
@@ -39,9 +39,12 @@ SMALL_LACK, LARGEST_LACK = 0.02, 0.05
 #: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
 #: the pose for its own choice, and from which difference on. [m], [rad]
 ASK_AGAIN, OTHER_PLACE, OTHER_TILT = 2, 0.015, 0.03
-#: A foothold has to serve until its leg lifts again. How many of the selector's candidates are looked at for that, and
-#: what a metre costs by which the leg would then be too long or a limb too near to the ground. [cost / m]
-CANDIDATES, LACK_WEIGHT = 60, 2000.0
+#: A foothold has to serve until its leg lifts again, and to get the robot further. What a metre costs by which the leg
+#: would then be too long, a limb too near to the ground, or the gain less than enough. [cost / m]
+LACK_WEIGHT = 2000.0
+#: A selector is asked for all footholds: before a slope level ground costs so much less that the best all lie behind.
+#: Of how many, the best by cost, gain and width, limbs and reach are looked at.
+ALL, CANDIDATES = CELLS * CELLS, 60
 #: A foot should stand at least so far on its own side of the line, which costs as much, and must stand so far: on feet
 #: in one line the robot falls over when a leg swings. [m]
 ENOUGH_WIDTH, LEAST_WIDTH = 0.13, 0.05
@@ -123,7 +126,7 @@ class StepPlanner:
                 if isinstance(step, NoStep):
                     reasons.setdefault(leg, step.reason)
                     continue
-                gain, clear = self._gain(now.feet, step), step.lift.clearance >= -SMALL_LACK
+                gain, clear = float(self._gain(now.feet, leg, step.goal)), step.lift.clearance >= -SMALL_LACK
                 if gain >= ENOUGH_GAIN and clear:
                     return step
                 can_stand |= clear
@@ -132,10 +135,10 @@ class StepPlanner:
                     best = rank, step
         return None if best is None else best[1]
 
-    def _gain(self, feet: Array, step: Step) -> float:
-        """How far the foot gets along the line, in [m]."""
-        ends = self._line.to_line(np.stack([feet[LEGS.index(step.leg), :2], step.goal[:2]]))
-        return float(ends[1, 0] - ends[0, 0])
+    def _gain(self, feet: Array, leg: str, points: Array) -> Array:
+        """(...,) how far a leg's foot gets along the line to points (..., 3), in [m]."""
+        start = self._line.to_line(feet[LEGS.index(leg), :2])[0]
+        return np.asarray(self._line.to_line(points[..., :2])[..., 0] - start)
 
     def _try(self, time: float, now: Situation, leg: str, stride: float, drop: float, out: float) -> Step | NoStep:
         found = self._foothold(time, now, leg, self._nominal(now.feet, LEGS.index(leg), stride, out), drop)
@@ -188,21 +191,24 @@ class StepPlanner:
         return (float(np.median(heights)) if heights.size else height) + self._radius
 
     def _ask(self, time: float, elevation_map: ElevationMap, leg: str, pose: BasePose, nominal: Array) -> Foothold:
-        answer = self._selector.select(elevation_map, pose, legs=(leg,), nominal={leg: nominal}, top_k=CANDIDATES)[leg]
+        answer = self._selector.select(elevation_map, pose, legs=(leg,), nominal={leg: nominal}, top_k=ALL)[leg]
         x, y = nominal.tolist()
         self._chosen(Choice(time, leg, pose, elevation_map, (x, y), answer))
         return answer
 
     def _lasting(self, now: Situation, leg: str, touchdown: BasePose, choice: Foothold) -> Array:
-        """(3,) the best of a choice and its alternatives, if it is to serve until the leg lifts again, and to
-        leave room for the other side.
+        """(3,) the best of a choice and its alternatives, if it is to serve until the leg lifts again, to leave room
+        for the other side, and to get the robot further.
         """
         assert choice.position is not None and choice.final_cost is not None
         points = np.array([choice.position, *(each.position for each in choice.alternatives)])
         costs = np.array([choice.final_cost, *(each.final_cost for each in choice.alternatives)])
-        lack = self._poses.lack_at_end_of_stance(now, leg, touchdown, points + self._to_centre)
-        lack += np.maximum(ENOUGH_WIDTH - self._width(leg, points), 0.0)
-        return np.asarray(points[np.argmin(costs + LACK_WEIGHT * lack)])
+        costs += LACK_WEIGHT * np.maximum(ENOUGH_WIDTH - self._width(leg, points), 0.0)
+        costs += LACK_WEIGHT * np.maximum(ENOUGH_GAIN - self._gain(now.feet, leg, points), 0.0)
+        best = np.argsort(costs, kind="stable")[:CANDIDATES]
+        points, costs = points[best], costs[best]
+        costs += LACK_WEIGHT * self._poses.lack_at_end_of_stance(now, leg, touchdown, points + self._to_centre)
+        return np.asarray(points[np.argmin(costs)])
 
     def _width(self, leg: str, points: Array) -> Array:
         """(...,) how far points (..., 3) are on a leg's own side of the line, in [m]."""

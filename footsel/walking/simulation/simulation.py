@@ -159,18 +159,14 @@ class Simulation:
         self.client.setJointMotorControlArray(
             self.robot, self._joints, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(self._joints)
         )
+        # In a call of its own: a link is told nothing of its surface in one that is about the whole body as well.
         for link in range(-1, len(self._joints)):
             self.client.changeDynamics(
-                self.robot,
-                link,
-                lateralFriction=FRICTION,
-                rollingFriction=0.0,
-                spinningFriction=0.0,
-                restitution=0.0,
-                linearDamping=0.0,
-                angularDamping=0.0,
-                jointDamping=0.0,
-                maxJointVelocity=1e3,
+                self.robot, link, lateralFriction=FRICTION, rollingFriction=0.0, spinningFriction=0.0, restitution=0.0
+            )
+        for link in range(-1, len(self._joints)):
+            self.client.changeDynamics(
+                self.robot, link, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0, maxJointVelocity=1e3
             )
         # Sleeping bodies would stop to feel torques.
         self.client.changeDynamics(self.robot, -1, activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING)

@@ -91,6 +91,22 @@ def test_steps_up_stairs_keep_all_limbs_clear_or_are_not_taken():
     assert feet[:2, 2].min() > 0.3 and base.pitch < -0.1
 
 
+@pytest.mark.parametrize("selector", ["oracle", "cnn"])
+def test_a_slope_is_climbed_although_level_ground_costs_less(selector):
+    """The terrain cost likes the level ground before a slope of 18 degrees better than any cell of the slope."""
+
+    def slope(heights, x):
+        heights += np.tan(np.deg2rad(18)) * np.maximum(x - 0.45, 0.0)[:, None]
+
+    feet, base = FEET.copy(), BASE
+    plans, _ = planner(selector)
+    for tick in range(24):
+        step = plans.plan(float(tick), ground(slope), feet, base, COM)
+        assert isinstance(step, Step)
+        feet[LEGS.index(step.leg)], base = step.goal, step.touchdown
+    assert feet[:2, 0].min() > 1.0 and feet[2:, 0].min() > 0.2
+
+
 def test_a_leg_that_finds_no_gain_does_not_hold_up_the_others():
     """Footholds on the left alone end: it is the right legs' turn, or N_i further in or out is tried."""
     plans, _ = planner("nominal")

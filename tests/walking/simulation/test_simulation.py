@@ -7,8 +7,10 @@ import pytest
 from footsel.legs import LEGS, mirror_of
 from footsel.robot import load_robot
 from footsel.terrain import ElevationMap
+from footsel.walking.bullet import pybullet
 from footsel.walking.control.dynamics import Dynamics
 from footsel.walking.simulation import TIME_STEP, Simulation
+from footsel.walking.simulation.simulation import FRICTION
 
 ROBOT = load_robot("anymal_b")
 FLAT = ElevationMap(np.zeros((60, 60), dtype=np.float32), 0.05)
@@ -120,3 +122,27 @@ def test_it_repeats_itself_to_the_last_bit():
         return state.base.tobytes() + state.joints.tobytes() + state.foot_forces.tobytes()
 
     assert fall() == fall()
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.6, 1.6, 4.0])
+def test_feet_slip_at_the_friction_that_is_told_and_not_before(direction):
+    """With its joints held, the robot is pushed along the ground at the height of its feet."""
+    push = np.array([np.cos(direction), np.sin(direction), 0.0])
+    ratio, speed = {}, {}
+    for share in (0.85, 1.25):
+        with Simulation(FLAT, ROBOT, placed(z=0.47), STANCE) as world:
+            world.client.setJointMotorControlArray(
+                world.robot, world._joints, pybullet.VELOCITY_CONTROL, targetVelocities=[0.0] * 12, forces=[500.0] * 12
+            )
+            for _ in range(400):
+                world.step(np.zeros(12))
+            force = share * FRICTION * world.state().foot_forces[:, 2].sum() * push
+            for _ in range(100):
+                where = np.array(world.feet()).mean(axis=0)
+                world.client.applyExternalForce(world.robot, -1, force.tolist(), where.tolist(), pybullet.WORLD_FRAME)
+                world.step(np.zeros(12))
+            forces = world.state().foot_forces
+            ratio[share] = np.linalg.norm(forces[:, :2].sum(axis=0)) / forces[:, 2].sum()
+            speed[share] = np.linalg.norm(world.foot_contact_velocities(), axis=1).mean()
+    assert speed[0.85] < 0.05 and speed[1.25] > 0.2
+    assert ratio[1.25] == pytest.approx(FRICTION, rel=0.06)
