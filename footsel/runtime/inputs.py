@@ -121,11 +121,11 @@ def checked_previous(previous: "Mapping[str, Foothold | ArrayLike | None] | None
     return checked_points("previous foothold", points)
 
 
-def checked_top_k(top_k: int) -> int:
+def checked_count(name: str, count: int) -> int:
     """A whole number of 1 or more; raises InputError for anything else."""
-    if not isinstance(top_k, (int, np.integer)) or top_k < 1:
-        raise InputError(f"top_k is {top_k!r}", "give a whole number of 1 or more")
-    return int(top_k)
+    if not isinstance(count, (int, np.integer)) or count < 1:
+        raise InputError(f"{name} is {count!r}", "give a whole number of 1 or more")
+    return int(count)
 
 
 def checked_limit(name: str, limit: float, remedy: str) -> float:

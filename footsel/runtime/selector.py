@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -125,7 +126,7 @@ class FootholdSelector:
     ) -> tuple[dict[str, Foothold], Timing]:
         """As `select`, and how long it took."""
         start = time.perf_counter()
-        top_k = inputs.checked_top_k(top_k)
+        top_k = inputs.checked_count("top_k", top_k)
         hysteresis = inputs.checked_limit("hysteresis", hysteresis, "give a final cost of 0 or more")
         max_distance = _checked_max_distance(max_distance)
         numbers = inputs.checked_pose(self.layout, inputs.checked_map(elevation_map), base_pose)
@@ -156,6 +157,7 @@ class FootholdSelector:
         nominal: Mapping[str, ArrayLike] | None = None,
         *,
         max_distance: float | None = None,
+        threads: int = 1,
     ) -> ManyFootholds:
         """The cheapest feasible foothold of each leg at each of many base poses, as arrays.
 
@@ -163,10 +165,11 @@ class FootholdSelector:
         nominal: N_i of any leg, (2,) or (3,) for all poses or (n, 2) or (n, 3), in the world frame, in [m]; the robot's
             nominal stance for legs not named.
         max_distance: as in `select`.
+        threads: that share the poses; more than there are cores gain nothing.
 
         Raises InputError for a base off the map and for values that make no sense, UnknownNameError for a leg.
         """
-        max_distance = _checked_max_distance(max_distance)
+        max_distance, threads = _checked_max_distance(max_distance), inputs.checked_count("threads", threads)
         poses = inputs.checked_poses(base_poses)
         inputs.checked_map(elevation_map)
         for pose in poses[~elevation_map.contains(poses[:, :2])][:1]:
@@ -175,13 +178,18 @@ class FootholdSelector:
         legs = check_legs(legs)
         if not (len(poses) and legs):
             return ManyFootholds.none(len(poses), legs)
-        parts = []
-        for start in range(0, len(poses), BATCH):
+
+        def answer(start: int) -> ManyFootholds:
             part = slice(start, start + BATCH)
             nearby = {leg: point[part] if point.ndim == 2 else point for leg, point in points.items()}
             frames = self._body.place(poses[part], sorted(legs, key=pair_of), nearby)
-            parts.append(self._answers(elevation_map, frames, max_distance)[0].as_arrays(legs))
-        return ManyFootholds.concatenate(parts)
+            return self._answers(elevation_map, frames, max_distance)[0].as_arrays(legs)
+
+        starts = range(0, len(poses), BATCH)
+        if threads == 1:
+            return ManyFootholds.concatenate([answer(start) for start in starts])
+        with ThreadPoolExecutor(threads) as pool:
+            return ManyFootholds.concatenate(list(pool.map(answer, starts)))
 
     def evaluate(
         self, local_heights: ArrayLike, leg: str, roll: ArrayLike = 0.0, pitch: ArrayLike = 0.0

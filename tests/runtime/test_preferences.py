@@ -1,5 +1,8 @@
 """Hysteresis towards the previous foothold, and a largest distance from the nominal one."""
 
+import dataclasses
+import threading
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -185,6 +188,25 @@ def test_the_best_of_many_poses(selector, constant_folder):
     assert nowhere.best_pose() is None and np.isinf(nowhere.pose_costs).all() and not nowhere.found.any()
 
 
+def test_threads_share_the_poses_and_change_no_answer(selector, monkeypatch):
+    elevation_map = rough_map()
+    poses = np.array(POSE) + np.random.default_rng(1).uniform(-0.05, 0.05, (70, 6))
+    nominal = {"LF": np.random.default_rng(2).uniform(0.1, 0.4, (70, 2))}
+    alone = selector.select_many(elevation_map, poses, nominal=nominal)
+    workers = set()
+    answers = FootholdSelector._answers
+
+    def noted(*arguments):
+        workers.add(threading.get_ident())
+        return answers(*arguments)
+
+    monkeypatch.setattr(FootholdSelector, "_answers", noted)
+    shared = selector.select_many(elevation_map, poses, nominal=nominal, threads=3)
+    assert threading.get_ident() not in workers and 1 <= len(workers) <= 3
+    for field in dataclasses.fields(alone):
+        np.testing.assert_array_equal(getattr(shared, field.name), getattr(alone, field.name))
+
+
 def test_no_poses_and_no_legs(selector):
     for poses, legs in ((np.empty((0, 6)), LEGS), ([POSE], ()), (np.empty((0, 6)), ())):
         many = selector.select_many(rough_map(), poses, legs)
@@ -220,6 +242,8 @@ def test_what_makes_no_sense_is_refused(selector, arguments, words):
         ({"base_poses": [["x"] * 6]}, "cannot read the base poses as numbers"),
         ({"nominal": {"LF": np.zeros((3, 2))}}, "nominal foothold of LF is of shape"),
         ({"elevation_map": np.zeros((50, 50))}, "give a footsel.ElevationMap"),
+        ({"threads": 0}, "threads is 0; give a whole number of 1 or more"),
+        ({"threads": 1.5}, "threads is 1.5"),
     ],
 )
 def test_what_select_many_refuses(selector, arguments, words):
