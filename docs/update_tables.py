@@ -41,9 +41,7 @@ COMMANDS = {
     "walks_camera.json": "footsel compare --walk --map camera",
     "walks_classic.json": "footsel compare --walk stairs stones",
     "walks_maps.json": "footsel compare --walk MAPS",
-    "walks_nominal.json": "footsel compare --walk stones --selectors nominal cnn",
     "walks_others.json": "footsel compare --walk stones_hard gaps rough slopes stairs12 flat",
-    "walks_plain.json": "footsel compare --walk --selectors cnn nominal terrain_only",
     "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
 
@@ -478,6 +476,9 @@ def latency() -> str:
             if "other_core_busy" in found:
                 rows[f"`{variant}`, four legs, the other core busy"] = found["other_core_busy"]["select_four_legs_ms"]
         rows[f"`{variant}`, the network alone"] = times["network_ms"]
+    for name, times in bench.get("other_models", {}).items():
+        for what, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
+            rows[f"`{name}`, stock ERFNet, {what}"] = times[key]
     names = {
         "torch_eager": "the same network in torch",
         "onnxruntime_unsimplified": "in onnxruntime, as torch exports it",
@@ -799,9 +800,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     "docs/walking.md": {
         "gains": gains,
         "walks": lambda: walks("walks.json"),
-        "plain": lambda: walks("walks_plain.json"),
-        "nominal": lambda: walks("walks_nominal.json"),
-        "differences": lambda: walk_differences("walks_plain.json"),
+        "differences": lambda: walk_differences("walks.json"),
         "means": lambda: walk_means("walks.json"),
         "unwatched": lambda: walk_contacts("walks_unwatched.json"),
         "others": lambda: walks("walks_others.json"),

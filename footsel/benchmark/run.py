@@ -21,7 +21,14 @@ from footsel.benchmark.throughput import time_throughput
 from footsel.claim import claim_folder
 from footsel.errors import MissingExtraError
 from footsel.runtime import FootholdSelector
-from footsel.runtime.model_folder import DEFAULT_VARIANT, SUMS_FILE, checksum, network_file
+from footsel.runtime.model_folder import (
+    DEFAULT_VARIANT,
+    SUMS_FILE,
+    available_models,
+    checksum,
+    find_model_folder,
+    network_file,
+)
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,10 @@ def run_benchmark(
         with torch_baselines(run, model) as others:
             models, baselines = time_models(model, cases[: size.calls], others)
         speed = _speed(model, models)
+        figures["other_models"] = {
+            folder.name: time_models(folder, cases[: size.calls])[0][DEFAULT_VARIANT]
+            for folder in _other_models(robot, model)
+        }
         with other_core_busy() as spinning:
             busy = time_models(model, cases[: size.calls])[0] if spinning else {}
     with one_core():
@@ -98,6 +109,12 @@ def run_benchmark(
         "models": models,
         "baselines": baselines,
     }
+
+
+def _other_models(robot: str, model: Path) -> list[Path]:
+    """Folders of what else is released for a robot: stock ERFNet, as the paper has it."""
+    folders = [find_model_folder(name) for name in available_models()]
+    return [each for each in folders if each.name != model.name and FootholdSelector.load(each).robot == robot]
 
 
 def _configuration(model: Path, seed: int) -> dict[str, Any]:

@@ -20,6 +20,10 @@ def as_table(figures: Mapping[str, Any]) -> str:
         for words, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
             if "other_core_busy" in parts:
                 row(f"  other core busy: {words}", parts["other_core_busy"][key])
+    for name, parts in figures["other_models"].items():
+        row(f"{name}: network", parts["network_ms"])
+        row(f"{name}: select one leg", parts["select_one_leg_ms"])
+        row(f"{name}: select four legs", parts["select_four_legs_ms"])
     for variant, parts in figures["cpp"].items():
         row(f"C++, {variant}: network", parts["network_ms"])
         row(f"C++, {variant}: select one leg", parts["select_one_leg_ms"])

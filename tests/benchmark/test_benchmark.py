@@ -58,6 +58,10 @@ def test_fields(figures):
         for each in (parts, parts["other_core_busy"]):
             for select in ("network_ms", "select_one_leg_ms", "select_four_legs_ms"):
                 assert 0 < each[select]["p50"] <= each[select]["p99"] <= each[select]["p999"]
+    # The folder that is measured is not a released one here, so both of these are others.
+    assert set(figures["other_models"]) == {"anymal_b", "anymal_b_paper"}
+    for parts in figures["other_models"].values():
+        assert set(parts) == {"network_ms", "select_one_leg_ms", "select_four_legs_ms"}
     assert set(figures["baselines"]) == {"onnxruntime_default_options"}
     plain = figures["baselines"]["onnxruntime_default_options"]
     assert plain["network_ms"]["p50"] > 0 and plain["in_turns_with_it"]["p50"] > 0
@@ -248,6 +252,7 @@ def test_the_table_has_cpp_and_baselines_beside_the_variants():
             "cpu": "a CPU",
             "default": "float32",
             "models": {"float32": each, "int8": each},
+            "other_models": {"anymal_b_paper": each},
             "cpp": {"float32": {**each, "maps_per_second": {"1": 1234.0, "256": 2345.0}}},
             "baselines": {
                 "onnxruntime_unsimplified": {"network_ms": times},
@@ -259,6 +264,7 @@ def test_the_table_has_cpp_and_baselines_beside_the_variants():
     rows = {line[:34].strip(): line[34:].split() for line in text.splitlines()}
     for name in (
         "int8: select four legs",
+        "anymal_b_paper: select four legs",
         "C++, float32: select four legs",
         "onnxruntime unsimplified: network",
         "ours in turns with it",

@@ -126,6 +126,7 @@ def bench(tmp_path):
         "cpu": "a CPU",
         "oracle_ms_per_map": {"p50": 1.5, "p99": 2.5},
         "models": {"float32": {**each, "other_core_busy": each}},
+        "other_models": {"anymal_b_paper": each},
         "cpp": {"float32": {**each, "maps_per_second": {"1": 900.0, "64": 1500.0}}},
         "baselines": {"torch_eager": {"network_ms": {"p50": 9.0, "p99": 10.0}}},
         "maps_per_second": {"float32": {"one_core": {"1": 800.0, "64": 1234.0}}},
@@ -145,6 +146,7 @@ def test_latency_of_both_languages_and_of_others(tables):
     rows = tables.latency().strip().splitlines()
     assert rows[0] == "| ms on one core of a CPU | median | 99 % | 99.9 % |"
     assert "| `float32` in C++, four legs | 1.00 | 2.00 | 3.00 |" in rows
+    assert "| `anymal_b_paper`, stock ERFNet, four legs | 1.00 | 2.00 | 3.00 |" in rows
     assert "| the same network in torch | 9.00 | 10.00 | - |" in rows
     assert sum("busy" in row for row in rows) == 1
 
