@@ -8,11 +8,11 @@ from footsel.selectors.base import Selector
 
 
 class NominalSelector(Selector):
-    """The known cell nearest to N_i; none if N_i's own cell is unknown."""
+    """The cell nearest to N_i, and none beside it that a planner could choose instead; none if it is unknown."""
 
     def score(self, request: LegRequest) -> CellScores:
         local_map = request.local_map
         distances = local_map.distances_to(request.nominal[:2])
-        here = bool(local_map.known.ravel()[distances.argmin()])
-        feasible = np.full(local_map.known.shape, here)
+        feasible = np.zeros(local_map.known.shape, dtype=bool)
+        feasible.flat[distances.argmin()] = True
         return CellScores(np.zeros(feasible.shape), feasible, "the nominal foothold's cell is unknown")

@@ -71,6 +71,12 @@ def test_only_the_legs_asked_for_answer(selector: Selector, stones: ElevationMap
     assert list(selector.select(stones, STANDING, legs=("RH", "LF"))) == ["RH", "LF"]
 
 
+def test_nominal_has_one_foothold_and_no_choice(stones: ElevationMap) -> None:
+    """A planner that could choose among cells by what the map says of them would not be without perception."""
+    for foothold in make_selector("nominal").select(stones, STANDING, top_k=1600).values():
+        assert foothold.status == "ok" and not foothold.alternatives
+
+
 def test_nominal_picks_the_nearest_known_cell() -> None:
     selector = make_selector("nominal")
     elevation = np.zeros((200, 200), dtype=np.float32)
