@@ -41,6 +41,7 @@ COMMANDS = {
     "walks_camera.json": "footsel compare --walk --map camera",
     "walks_classic.json": "footsel compare --walk stairs stones",
     "walks_maps.json": "footsel compare --walk MAPS",
+    "walks_noisy.json": "footsel compare --walk --map noisy",
     "walks_others.json": "footsel compare --walk stones_hard gaps rough slopes stairs12 flat",
     "walks_unwatched.json": "footsel compare --walk --no-limb-watch",
 }
@@ -806,6 +807,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
         "others": lambda: walks("walks_others.json"),
         "classic": lambda: walks("walks_classic.json"),
         "camera": lambda: walks("walks_camera.json"),
+        "noisy": lambda: walks("walks_noisy.json"),
         "maps": lambda: walks("walks_maps.json"),
     },
     "docs/mapping.md": {"mapping": mapping, "times": mapping_times},
