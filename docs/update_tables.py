@@ -477,7 +477,7 @@ def latency() -> str:
             if "other_core_busy" in found:
                 rows[f"`{variant}`, four legs, the other core busy"] = found["other_core_busy"]["select_four_legs_ms"]
         rows[f"`{variant}`, the network alone"] = times["network_ms"]
-    for name, times in bench.get("other_models", {}).items():
+    for name, times in bench["other_models"].items():
         for what, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms")):
             rows[f"`{name}`, stock ERFNet, {what}"] = times[key]
     names = {
