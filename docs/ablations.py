@@ -1,9 +1,11 @@
 """Train the rows of ablations.toml, judge them, and write docs/results/ablations.json.
 
-python docs/ablations.py DATA TEST WORK [--rows NAME ...]
+python docs/ablations.py DATA TEST WORK [--data NAME=FOLDER ...] [--rows NAME ...]
 
-DATA and TEST are datasets of other seeds:
-footsel dataset DATA --legs front --maps 51000 --seed 0; footsel dataset TEST --legs front --maps 4000 --seed 5.
+DATA and TEST are datasets of different seeds, FOLDER is one for the rows that name it:
+footsel dataset DATA --legs front --maps 102000 --seed 0
+footsel dataset FOLDER --legs front --maps 51000 --seed 0 --recipe four_headings
+footsel dataset TEST --maps 4000 --seed 5
 WORK keeps what is trained: killed, the same command goes on. Rows may be shared out among several commands.
 """
 
@@ -52,42 +54,59 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name in ("data", "test", "work"):
         parser.add_argument(name, metavar=name.upper(), type=Path)
+    parser.add_argument(
+        "--data", nargs="+", default=(), dest="others", metavar="NAME=FOLDER", help="dataset of rows that name it"
+    )
     parser.add_argument("--rows", nargs="+", metavar="NAME", help="these alone (default: all of ablations.toml)")
     args = parser.parse_args()
     plan = tomllib.loads((DOCS / "ablations.toml").read_text(encoding="utf-8"))
     try:
-        run(plan, args.data, args.test, args.work, args.rows or list(plan["rows"]))
+        folders = {"": args.data, **dict(other.split("=", 1) for other in args.others)}
+        run(plan, folders, args.test, args.work, args.rows or list(plan["rows"]))
     except FootselError as error:
         print(f"ablations.py: error: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def run(plan: Mapping[str, Any], data_dir: Path, test_dir: Path, work: Path, names: list[str]) -> None:
-    """Train and judge the rows of these names; what is done already is not done again."""
+def run(
+    plan: Mapping[str, Any], folders: Mapping[str, str | Path], test_dir: Path, work: Path, names: list[str]
+) -> None:
+    """Train and judge the rows of these names; what is done already is not done again.
+
+    folders: of the datasets, "" for that of the rows that name none.
+    """
     rows = {name: Row.of(plan, name, work) for name in plan["rows"]}
     if unknown := [name for name in names if name not in rows]:
         raise UnknownNameError("row", unknown[0], list(rows))
     torch.set_num_threads(1)
-    data, test = load_data(data_dir, plan["legs"]), open_dataset(test_dir)
-    if test.manifest["config"]["seed"] == data.dataset["seed"]:
+    test = open_dataset(test_dir)
+    datasets = {name: load_data(Path(folder), plan["legs"]) for name, folder in folders.items()}
+    if missing := [rows[name].data for name in names if rows[name].data not in datasets]:
+        raise InputError(f"no dataset {missing[0]}", f"give its folder: --data {missing[0]}=FOLDER")
+    if any(test.manifest["config"]["seed"] == data.dataset["seed"] for data in datasets.values()):
         raise InputError(f"{test_dir} is of the seed that is trained on", "judge on a dataset of another seed")
     for number, name in enumerate(names, start=1):
         print(f"row {number} of {len(names)}: {name}", file=sys.stderr)
-        rows[name].train(data)
+        rows[name].train(datasets[rows[name].data])
         rows[name].judge(test, plan["legs"])
-        done = [row.result() for row in rows.values() if row.is_done(data, test)]
-        write_json(RESULT, {**conditions(plan, data, test), "rows": done})
+        done = [row.result() for row in rows.values() if row.data in datasets and row.is_done(datasets[row.data], test)]
+        write_json(RESULT, {**conditions(plan, datasets[""], test), "rows": done})
 
 
 @dataclass(frozen=True)
 class Row:
-    """One training. changes: what the plan says of it. maps: how many it learns from. folder: where it is kept."""
+    """One training.
+
+    changes: what the plan says of it. maps: how many it learns from. data: name of the dataset that they are of.
+    folder: where it is kept.
+    """
 
     name: str
     changes: Mapping[str, Any]
     recipe: Recipe
     maps: int
+    data: str
     folder: Path
 
     @classmethod
@@ -95,9 +114,9 @@ class Row:
         """The row `name` of the plan."""
         changes = plan["rows"][name]
         budget = {"epochs": plan["epochs"], "maps": plan["maps"]}
-        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **plan.get("base", {}), **changes}
-        maps = values.pop("maps")
-        return cls(name, changes, Recipe.from_dict(values), maps, work / re.sub(r"\W+", "_", name).strip("_"))
+        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **changes}
+        maps, data = values.pop("maps"), values.pop("data", "")
+        return cls(name, changes, Recipe.from_dict(values), maps, data, work / re.sub(r"\W+", "_", name).strip("_"))
 
     def train(self, data: TrainingData) -> None:
         """Train to the end; a training that was interrupted goes on."""
@@ -162,7 +181,6 @@ def conditions(plan: Mapping[str, Any], data: TrainingData, test: Dataset) -> di
     """What all rows have in common."""
     return {
         "recipe": plan["recipe"],
-        "base": plan.get("base", {}),
         "legs": plan["legs"],
         "budget": {"maps": plan["maps"], "epochs": plan["epochs"]},
         "training": {"config": dict(data.dataset), "sha256": data.dataset_sha256},

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--recipe",
         default="footsel",
         help="paper: one composed map, four headings, level base; footsel: courses of all families, any heading, "
-        "tilt up to 15 degrees, holes (default: %(default)s)",
+        "tilt up to 15 degrees, holes; four_headings: as footsel, but for the paper's headings (default: %(default)s)",
     )
     parser.add_argument(
         "--families", nargs="+", default=(), metavar="FAMILY", help="terrain families to draw from (default: all)"
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
     for name, entry in (*manifest["pairs"].items(), ("all", manifest)):
         print(f"{name}: {entry['samples']} maps; {_in_words(entry)}")
     print(f"manifest: {path}")
-    print(f"next: footsel train {args.out} RUN --recipe {args.recipe}")
+    print(f"next: footsel train {args.out} RUN --recipe {'paper' if args.recipe == 'paper' else 'footsel'}")
     return 0
 
 

@@ -11,7 +11,7 @@ from footsel.footholds.pose import BasePose
 from footsel.terrain import ElevationMap
 from footsel.terrain.courses import FAMILIES, make_course, training_map
 
-RECIPES = ("paper", "footsel")
+RECIPES = ("paper", "footsel", "four_headings")
 #: What the family of samples on the paper's training map is called: that map is composed of many.
 COMPOSED = "composed"
 
@@ -48,7 +48,8 @@ class SamplingRecipe:
     def of(
         cls, name: str, families: tuple[str, ...] = (), exclude: tuple[str, ...] = (), map_seed: int = 0
     ) -> "SamplingRecipe":
-        """The recipe `paper` (section III-A: one map, four yaws, a level base) or `footsel` (any yaw, tilt, holes).
+        """The recipe `paper` (section III-A: one map, four yaws, a level base), `footsel` (any yaw, tilt, holes), or
+        `four_headings`, which is `footsel` with the paper's yaws: what any yaw is worth shows beside it.
 
         The paper's map is composed without excluded families; with families chosen, its recipe draws courses of those.
         """
@@ -62,7 +63,7 @@ class SamplingRecipe:
             raise InputError("no terrain family is left", "exclude fewer families")
         if name == "paper":
             return cls(None if families else map_seed, True, 0.0, 0.0, chosen)
-        return cls(None, False, float(np.deg2rad(15.0)), 0.4, chosen)
+        return cls(None, name == "four_headings", float(np.deg2rad(15.0)), 0.4, chosen)
 
     def draw_course(self, rng: np.random.Generator) -> tuple[str, int, ElevationMap]:
         """Family, seed and map of a course."""

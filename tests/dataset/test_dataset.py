@@ -171,6 +171,18 @@ def test_paper_recipe_is_level_and_turns_by_quarters(config):
     assert set(samples.family.tolist()) == {"composed"}
 
 
+def test_four_headings_are_all_that_differs_from_footsel(config):
+    any_heading, four = (
+        make_samples(replace(config, pairs=("front",), recipe=recipe), "front", 0)
+        for recipe in ("footsel", "four_headings")
+    )
+    quarters = four.pose[:, 5] / (np.pi / 2)
+    np.testing.assert_allclose(quarters, np.rint(quarters), atol=1e-6)
+    assert not np.isclose(np.sin(2 * any_heading.pose[:, 5]), 0, atol=1e-3).all()
+    assert four.roll.any() and np.isnan(four.heights()).any() and len(set(four.family.tolist())) > 1
+    assert replace(SamplingRecipe.of("four_headings"), quarter_turns=False) == SamplingRecipe.of("footsel")
+
+
 def test_families_can_be_left_out(config):
     assert set(SamplingRecipe.of("footsel", exclude=("pillars", "rubble")).families) == set(FAMILIES) - {
         "pillars",

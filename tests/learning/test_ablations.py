@@ -5,10 +5,12 @@ import sys
 
 import pytest
 
+from footsel.dataset import open_dataset
 from footsel.dataset.store import MANIFEST, pack_shard, pair_entry, record_shard, shard_path, write_shard
 from footsel.errors import UnknownNameError
 from footsel.files import write_json
 from footsel.learning import train as training
+from footsel.learning.checkpoint import load_network
 from footsel.learning.recipe import Recipe
 
 PLAN = """
@@ -27,12 +29,16 @@ maps = 8
 epochs = 3
 """
 NAMES = ["footsel", "smaller, no place", "fewer maps"]
+OTHER_DATA = """
+[rows."of another dataset"]
+data = "other"
+"""
 
 
 @pytest.fixture(scope="module")
 def datasets(tmp_path_factory, make_samples):
     root = tmp_path_factory.mktemp("datasets")
-    for seed, name in enumerate(("data", "test")):
+    for seed, name in enumerate(("data", "test", "other")):
         for number in range(3):
             write_shard(shard_path(root / name, "front", number), pack_shard(make_samples(8, 10 * seed + number)))
         entry = pair_entry([record_shard(root / name, "front", number) for number in range(3)])
@@ -154,6 +160,23 @@ def test_wrong_use_is_one_line(ablations, capsys, use, message):
     assert message in error and len(error.splitlines()) <= 2
 
 
+def test_a_row_may_be_of_another_dataset(ablations, tmp_path, datasets, capsys):
+    (tmp_path / "ablations.toml").write_text(PLAN + OTHER_DATA)
+    rows = ("--rows", "footsel", "of another dataset")
+    assert ablations.command(*rows) == 2
+    assert "no dataset other; give its folder: --data other=FOLDER" in capsys.readouterr().err
+
+    assert ablations.command("--data", f"other={datasets / 'other'}", *rows) == 0
+    assert [row["changes"] for row in rows_of(ablations)] == [{}, {"data": "other"}]
+    (info, other) = (
+        load_network(tmp_path / "work" / name)[1]["dataset_sha256"] for name in ("footsel", "of_another_dataset")
+    )
+    assert info == open_dataset(datasets / "data").sha256 != other == open_dataset(datasets / "other").sha256
+    # Without that dataset its row cannot be vouched for.
+    assert ablations.command("--rows", "footsel") == 0
+    assert [row["name"] for row in rows_of(ablations)] == ["footsel"]
+
+
 def test_too_few_maps_are_said(ablations, tmp_path, capsys):
     (tmp_path / "ablations.toml").write_text(PLAN.replace("maps = 16", "maps = 17"))
     assert ablations.command() == 2
@@ -166,12 +189,13 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     plan = module.tomllib.loads((module.DOCS / "ablations.toml").read_text(encoding="utf-8"))
     rows = [module.Row.of(plan, name, tmp_path) for name in plan["rows"]]
     assert len({row.folder for row in rows}) == len(rows) > 15
-    assert len({(str(row.recipe.to_dict()), row.maps) for row in rows}) == len(rows)
-    assert rows[0].name == "footsel"
-    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"], **plan["base"]}
+    assert len({(str(row.recipe.to_dict()), row.maps, row.data) for row in rows}) == len(rows)
+    assert rows[0].name == "footsel" and rows[0].data == ""
+    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
     assert rows[0].recipe.to_dict() == Recipe.from_dict(begun).to_dict()
-    # Equal budgets, but for the row that says what a larger one buys.
+    # Equal budgets, but for the rows that say what a smaller and a larger one buy.
     budgets = {row.name: row.maps * row.recipe.epochs for row in rows}
+    assert budgets.pop("half the maps, as many epochs") == plan["maps"] * plan["epochs"] / 2
     assert budgets.pop("twice the maps, as many epochs") == 2 * plan["maps"] * plan["epochs"]
     assert set(budgets.values()) == {plan["maps"] * plan["epochs"]}
     with pytest.raises(UnknownNameError, match="feature"):
