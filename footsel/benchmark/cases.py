@@ -9,6 +9,8 @@ from footsel.legs import LEGS
 from footsel.terrain import ElevationMap, LocalMap
 from footsel.terrain.courses import FAMILIES, make_course
 
+#: So many cases in a row are of the same leg: a gait asks for one swing leg again and again.
+ROUND = 10
 #: Side of a course, and how far from its middle the base stands at most: local maps are wholly known. [m]
 COURSE_SIZE, MOST_OFFSET = 4.0, 1.0
 #: Roll and pitch of tilted poses lie within this, in [rad].
@@ -37,17 +39,17 @@ class Case:
 
 
 def make_cases(layout: LegLayout, count: int, seed: int) -> list[Case]:
-    """`count` cases: families take turns, every other round is tilted, legs take turns."""
+    """`count` cases: families take turns, every other time tilted; a leg stays for a ROUND, as in a swing."""
     rng = np.random.default_rng(seed)
     courses = [(family, make_course(family, rng, size=COURSE_SIZE)) for family in FAMILIES]
     cases = []
     for number in range(count):
         family, course = courses[number % len(courses)]
-        round_ = number // len(courses)
         x, y = rng.uniform(-MOST_OFFSET, MOST_OFFSET, 2)
         yaw = rng.uniform(-np.pi, np.pi)
-        roll, pitch = rng.uniform(-MOST_TILT, MOST_TILT, 2) if round_ % 2 else (0.0, 0.0)
+        tilted = number // len(courses) % 2
+        roll, pitch = rng.uniform(-MOST_TILT, MOST_TILT, 2) if tilted else (0.0, 0.0)
         z = layout.ground_height(course, x, y, yaw) + rng.uniform(*HEIGHT_SHARES) * layout.standing_height
         pose = BasePose.of([x, y, z, roll, pitch, yaw])
-        cases.append(Case(family, course, pose, LEGS[(round_ // 2 + number) % len(LEGS)]))
+        cases.append(Case(family, course, pose, LEGS[number // ROUND % len(LEGS)]))
     return cases

@@ -5,14 +5,16 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from footsel.benchmark.cases import Case
+from footsel.benchmark.cases import ROUND, Case
 from footsel.benchmark.timing import milliseconds, percentiles, with_progress
 from footsel.legs import LEGS, TRAINED_LEG
 from footsel.runtime import FootholdSelector, Network
 from footsel.runtime.model_folder import available_variants, network_file
 
-#: Rounds before the first that counts: onnxruntime lays out its memory, caches fill.
+#: Cases of each call before the first that counts: onnxruntime lays out its memory.
 WARM_UP = 20
+#: Calls before each round of timed ones: caches fill, and so they stay in a loop.
+UNTIMED = 4
 
 #: The pair whose network is timed by itself; the other is as large.
 PAIR = "front"
@@ -64,19 +66,19 @@ def _selection(selector: FootholdSelector, one_leg: bool) -> Prepare:
 def take_turns(calls: Mapping[Name, Prepare], cases: Sequence[Case], description: str) -> dict[Name, list[float]]:
     """Times in [ms] of each call on each case.
 
-    The calls take turns on each case, in another order each time, so that all meet the same machine. Before a call is
-    timed it answers the case before, untimed: caches hold what a loop of this call alone leaves in them, as in the
-    histogram and in C++, and no figure depends on what else is measured.
+    The calls take turns in rounds of ROUND cases, in another order each time, so that all meet the same machine. Before
+    its cases are timed, a call answers those before them untimed: caches hold what a loop of this call alone leaves in
+    them, as in the histogram and in C++, and no figure depends on what else is measured.
     """
     times: dict[Name, list[float]] = {name: [] for name in calls}
     for prepare in calls.values():
         for case in cases[:WARM_UP]:
             prepare(case)()
     order, shuffle = list(calls), random.Random(0).shuffle
-    for number, case in enumerate(with_progress(cases, description)):
+    for start in with_progress(range(0, len(cases), ROUND), description):
         shuffle(order)
         for name in order:
-            before, now = calls[name](cases[number - 1]), calls[name](case)
-            before()
-            times[name].append(milliseconds(now))
+            for before in range(start - UNTIMED, start):
+                calls[name](cases[before % len(cases)])()
+            times[name] += [milliseconds(calls[name](case)) for case in cases[start : start + ROUND]]
     return times

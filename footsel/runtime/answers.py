@@ -64,7 +64,7 @@ class Answers:
         verify: candidates go through it in their order until `top_k` of them are accepted.
         previous: comes before every candidate that is not cheaper by more than `hysteresis`, and stands for its cell.
         """
-        x, y, z = self.nominal[leg].tolist()
+        nominal = tuple(self.nominal[leg].tolist())
         most = top_k if verify is None else CELLS * CELLS
         ranked = self._ranked(leg, most, previous, hysteresis)
         if verify is not None:
@@ -72,10 +72,10 @@ class Answers:
         accepted = list(islice(ranked, top_k))
         if not accepted:
             reason = self._why_none(leg)
-            return Foothold("none", reason, None, None, None, None, None, (x, y, z), None, None)
+            return Foothold("none", reason, None, None, None, None, None, nominal, None, None)
         best = accepted[0]
         i, j = divmod(best.cell, CELLS)
-        cost = float(self.judgement.cost[leg, i, j])
+        cost = self.judgement.cost.item(leg, i, j)
         return Foothold(
             status="ok",
             reason=None,
@@ -85,7 +85,7 @@ class Answers:
             # Any cell that is chosen is feasible, so its class is one of the thirteen bins.
             class_=min(int(cost * COST_BINS / INFEASIBLE_COST), COST_BINS - 1),
             final_cost=best.final_cost,
-            nominal=(x, y, z),
+            nominal=nominal,
             distance_to_nominal=best.distance,
             confidence=float(np.float32(1) - self.judgement.infeasible[leg, i, j]),
             alternatives=tuple(Alternative(each.position, each.final_cost) for each in accepted[1:]),
@@ -126,8 +126,8 @@ class Answers:
 
         z: today's height there, NaN = unknown, in [m].
         """
-        in_map = self.frames.in_map(np.array((x, y)))[leg].tolist()
-        i, j = (round(along / self.resolution - float(OFFSETS[0])) for along in in_map)
+        in_map = self.frames.in_map(np.array((x, y)))
+        i, j = (round(along.item(leg) / self.resolution - float(OFFSETS[0])) for along in in_map)
         distance = float(np.hypot(x - self.nominal[leg, 0], y - self.nominal[leg, 1]))
         too_far = self.max_distance is not None and distance > self.max_distance
         if np.isnan(z) or too_far or not (0 <= i < CELLS and 0 <= j < CELLS):
@@ -142,13 +142,12 @@ class Answers:
         waiting = previous
         # The cell of the previous foothold, which stands for it, may be among the cheapest.
         for cell in self.final_costs.ranked(leg, most + (previous is not None)):
-            total = float(self.final_costs.total[leg, cell])
+            total = self.final_costs.total.item(leg, cell)
             if waiting is not None and not total < waiting.final_cost - hysteresis:
                 yield waiting
                 waiting = None
             if previous is None or cell != previous.cell:
-                distance = float(self.final_costs.distances[leg, cell])
-                yield Candidate(cell, self._position(leg, cell), total, distance)
+                yield Candidate(cell, self._position(leg, cell), total, self.final_costs.distances.item(leg, cell))
         if waiting is not None:
             yield waiting
 
@@ -160,8 +159,8 @@ class Answers:
     def _position(self, leg: int, flat: int) -> tuple[float, float, float]:
         """Contact point of a cell in the world frame, in [m]."""
         i, j = divmod(flat, CELLS)
-        x, y = self.frames.to_world(leg, OFFSETS[i] * self.resolution, OFFSETS[j] * self.resolution)
-        return float(x), float(y), float(self.frames.hips[leg, 2]) + float(self.judgement.heights[leg, i, j])
+        x, y = self.frames.to_world(leg, OFFSETS.item(i) * self.resolution, OFFSETS.item(j) * self.resolution)
+        return float(x), float(y), self.frames.hips.item(leg, 2) + self.judgement.heights.item(leg, i, j)
 
     def _why_none(self, leg: int) -> str:
         candidates = int(np.isfinite(self.final_costs.total[leg]).sum())

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from footsel.footholds.encoding import InputEncoding
 from footsel.legs import PAIRS, pair_of
 from footsel.runtime.leg_frames import LegFrames
-from footsel.runtime.network import Network
+from footsel.runtime.network import COSTS, Network
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,16 +32,18 @@ def judge(networks: Mapping[str, Network], heights: NDArray[np.float32], frames:
 
     networks: by pair. frames: front legs first, as PAIRS has them. heights: as in Judgement.
     """
-    roll, pitch = frames.poses[:, 3] * frames.side, frames.poses[:, 4]
     pairs = [pair_of(leg) for leg in frames.legs]
+    encoded: dict[InputEncoding, NDArray[np.float32]] = {}
     parts, thresholds = [], []
     start = 0
     for pair in PAIRS:
-        count = pairs.count(pair)
-        if count:
-            part = slice(start, start + count)
-            parts.append(networks[pair].costs(heights[part], roll[part], pitch[part]))
-            thresholds += [networks[pair].contract.feasible_below] * count
+        if count := pairs.count(pair):
+            network = networks[pair]
+            # The networks of a robot see alike: what is encoded for one serves both.
+            if (encoding := network.contract.encoding) not in encoded:
+                encoded[encoding] = network.encode(heights, frames.roll, frames.pitch)
+            parts.append(network.run_in_batches(encoded[encoding][start : start + count], *COSTS))
+            thresholds += [network.contract.feasible_below] * count
             start += count
     infeasible, cost = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
     return Judgement(heights, infeasible, cost, np.array(thresholds, dtype=np.float32))

@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -76,12 +75,19 @@ class Network:
         """
         heights = np.asarray(heights)
         if len(heights) <= BATCH:
-            return self.run(self._encode(heights, roll, pitch), *outputs)
+            return self.run(self.encode(heights, roll, pitch), *outputs)
         rolls, pitches = (np.broadcast_to(np.asarray(tilt).reshape(-1), len(heights)) for tilt in (roll, pitch))
         parts = []
         for start in range(0, len(heights), BATCH):
             part = slice(start, start + BATCH)
-            parts.append(self.run(self._encode(heights[part], rolls[part], pitches[part]), *outputs))
+            parts.append(self.run(self.encode(heights[part], rolls[part], pitches[part]), *outputs))
+        return [np.concatenate(output) for output in zip(*parts, strict=True)]
+
+    def run_in_batches(self, planes: NDArray[np.float32], *outputs: str) -> list[NDArray[np.float32]]:
+        """As `run`, in batches of the best size."""
+        if len(planes) <= BATCH:
+            return self.run(planes, *outputs)
+        parts = [self.run(planes[start : start + BATCH], *outputs) for start in range(0, len(planes), BATCH)]
         return [np.concatenate(output) for output in zip(*parts, strict=True)]
 
     def run(self, planes: NDArray[np.float32], *outputs: str) -> list[NDArray[np.float32]]:
@@ -89,7 +95,8 @@ class Network:
         results: list[NDArray[np.float32]] = self._session.run(outputs, {INPUT: planes})
         return results
 
-    def _encode(self, heights: NDArray[Any], roll: ArrayLike, pitch: ArrayLike) -> NDArray[np.float32]:
+    def encode(self, heights: ArrayLike, roll: ArrayLike, pitch: ArrayLike) -> NDArray[np.float32]:
+        """Input of `run`, (n, planes, 40, 40); arguments as in `answers`."""
         # What is too far away for float32 lies beyond the range of the image all the same.
         with np.errstate(over="ignore"):
             return self.contract.encoding.encode(heights, roll, pitch)

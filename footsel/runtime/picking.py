@@ -54,9 +54,11 @@ def weigh(
     resolution: side of a cell, in [m]. distance_weight: k, in [cost / m].
     max_distance: cells farther than this from N_i may not be chosen, in [m].
     """
-    target = frames.in_map(frames.nominal[:, :2])
-    along = np.square(OFFSETS * resolution - target[:, :, None]).astype(np.float32)  # (m, 2, 40)
-    distances = np.sqrt(along[:, 0, :, None] + along[:, 1, None, :])
+    offsets = OFFSETS * resolution
+    x, y = (
+        np.square(offsets - target[:, None]).astype(np.float32) for target in frames.in_map(frames.nominal[:, :2])
+    )  # (m, 40)
+    distances = np.sqrt(x[:, :, None] + y[:, None, :])
     total = distances * np.float32(distance_weight)
     total += judgement.cost
     # Compared this way round, a NaN of a network forbids its cell.
@@ -65,5 +67,5 @@ def weigh(
     if max_distance is not None:
         # Not rounded to float32, which may lie beyond the limit.
         allowed &= distances.astype(np.float64) <= max_distance
-    np.copyto(total, np.inf, where=~allowed)
-    return FinalCosts(total.reshape(len(target), -1), distances.reshape(len(target), -1))
+    total = np.where(allowed, total, np.float32(np.inf))
+    return FinalCosts(total.reshape(len(total), -1), distances.reshape(len(total), -1))

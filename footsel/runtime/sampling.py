@@ -51,18 +51,17 @@ def sample_legs(
     np.multiply(step[:, 0], side, out=parts[:, 1, 1])
     parts[:, :, 2], parts[:, :, 3] = places[:m], places[m:]
 
-    heights = _sample(elevation_map, parts @ _MAKE_UP)
-    local = heights[:, :-1].reshape(m, CELLS, CELLS) - hips[:, 2, None, None].astype(np.float32)
-    return local, heights[:, -1]
+    heights = _sample(elevation_map, (parts.reshape(-1, 4) @ _MAKE_UP).reshape(m, 2, -1))
+    local = heights[:, :-1] - hips[:, 2, None].astype(np.float32)
+    return local.reshape(m, CELLS, CELLS), heights[:, -1]
 
 
 def _sample(elevation_map: ElevationMap, index: NDArray[np.float64]) -> NDArray[np.float32]:
     """(m, 1601) heights at indices u and v (m, 2, 1601) of the cells of rectangles and a point each."""
     nx, ny = elevation_map.shape
-    extremes = index.take(_EXTREMES, axis=2)
-    (low_u, low_v), (high_u, high_v) = extremes.min(axis=(0, 2)).tolist(), extremes.max(axis=(0, 2)).tolist()
+    u, v = (along.ravel().tolist() for along in index.take(_EXTREMES, axis=2).swapaxes(0, 1))
     inside = None
-    if low_u < 0 or low_v < 0 or high_u >= nx - 1 or high_v >= ny - 1:
+    if min(u) < 0 or min(v) < 0 or max(u) >= nx - 1 or max(v) >= ny - 1:
         most = np.array([nx, ny])[:, None]
         inside = ((index + 0.5 >= 0) & (index + 0.5 < most)).all(axis=1)
         index = np.clip(index, 0, most - 1)

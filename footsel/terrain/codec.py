@@ -12,8 +12,9 @@ def heights_to_image(heights: ArrayLike, height_range: float = HEIGHT_RANGE) -> 
 
     heights: (..., n, n) terrain height relative to L_i, NaN = unknown, in [m].
     """
-    depth = -np.asarray(heights, dtype=np.float32) / np.float32(height_range)
-    return np.asarray(np.clip(np.where(np.isnan(depth), 1, depth), 0, 1), dtype=np.float32)
+    depth = np.asarray(heights, dtype=np.float32) / np.float32(-height_range)
+    # Of NaN and a number, the number.
+    return np.asarray(np.fmax(np.fmin(depth, np.float32(1)), np.float32(0)))
 
 
 def quantise_image(image: ArrayLike) -> NDArray[np.uint8]:

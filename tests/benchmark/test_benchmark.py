@@ -12,7 +12,7 @@ import pytest
 import torch
 
 from footsel.benchmark import BenchmarkSize, as_table, histogram, models
-from footsel.benchmark.cases import MOST_TILT, make_cases
+from footsel.benchmark.cases import MOST_TILT, ROUND, make_cases
 from footsel.benchmark.cpp import time_cpp
 from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
 from footsel.benchmark.multiply_adds import multiply_adds
@@ -122,20 +122,30 @@ def test_a_damaged_part_is_said(selector, anymal_layout, tmp_path):
         histogram.latency_histogram(selector, make_cases(anymal_layout, 2, seed=0), 3, tmp_path)
 
 
-def test_everything_takes_turns(anymal_layout):
-    """On each case every call is timed once, right after its own call on the case before, in changing order."""
-    cases = make_cases(anymal_layout, 30, seed=0)
+def test_everything_takes_turns(anymal_layout, monkeypatch):
+    """Every call is timed once on each case, in rounds of changing order, right after its own calls before those."""
+    cases = make_cases(anymal_layout, 62, seed=0)
     done = []
     calls = {name: lambda case, name=name: lambda: done.append((name, case)) for name in "abc"}
+    monkeypatch.setattr(models, "milliseconds", lambda now: (now(), done.append("timed"))[0] or len(done))
     times = models.take_turns(calls, cases, "")
-    assert {name: len(each) for name, each in times.items()} == dict.fromkeys("abc", 30)
-    warm, timed = done[3 * models.WARM_UP :: 2], done[3 * models.WARM_UP + 1 :: 2]
-    assert [name for name, _ in warm] == [name for name, _ in timed]
-    turns = [timed[3 * n : 3 * n + 3] for n in range(30)]
-    for number, turn in enumerate(turns):
-        assert {name for name, _ in turn} == set("abc") and all(case is cases[number] for _, case in turn)
-        assert all(case is cases[number - 1] for _, case in warm[3 * number : 3 * number + 3])
-    assert len({tuple(name for name, _ in turn) for turn in turns}) == 6
+    assert {name: len(each) for name, each in times.items()} == dict.fromkeys("abc", 62)
+    done = done[3 * models.WARM_UP :]
+    orders = set()
+    for start in range(0, 62, ROUND):
+        expected = cases[start : start + ROUND]
+        before = [cases[number] for number in range(start - models.UNTIMED, start)]
+        order = []
+        for _ in range(3):
+            turn, done = done[: models.UNTIMED + 2 * len(expected)], done[models.UNTIMED + 2 * len(expected) :]
+            untimed, timed = turn[: models.UNTIMED], turn[models.UNTIMED :]
+            assert {name for name, _ in (*untimed, *timed[::2])} == {turn[0][0]}
+            assert [case for _, case in untimed] == before and [case for _, case in timed[::2]] == expected
+            assert timed[1::2] == ["timed"] * len(expected) and "timed" not in untimed
+            order.append(turn[0][0])
+        assert set(order) == set("abc")
+        orders.add(tuple(order))
+    assert not done and len(orders) > 2
 
 
 @pytest.mark.parametrize("program", ["nowhere", "/bin/false"])
@@ -222,6 +232,8 @@ def test_cases_mix_families_tilts_and_legs(anymal_layout):
         of_family = [case for case in cases if case.family == family]
         assert {case.tilted for case in of_family} == {True, False}
     assert {case.leg for case in cases} == set(LEGS)
+    rounds = [{case.leg for case in cases[start : start + ROUND]} for start in range(0, len(cases), ROUND)]
+    assert all(len(legs) == 1 for legs in rounds) and rounds[0] != rounds[1]
     for case in cases:
         assert max(abs(case.pose.roll), abs(case.pose.pitch)) <= MOST_TILT
         assert case.local_map(anymal_layout).known.all()
