@@ -1,9 +1,11 @@
 """`footsel bench`: the fields of its file. Times themselves are not tested."""
 
 import functools
+import itertools
 import json
 import os
 import subprocess
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ import onnx
 import pytest
 import torch
 
-from footsel.benchmark import BenchmarkSize, as_table, histogram, models
+from footsel.benchmark import BenchmarkSize, as_table, histogram, models, throughput
 from footsel.benchmark.cases import MOST_TILT, ROUND, make_cases
 from footsel.benchmark.cpp import time_cpp
 from footsel.benchmark.machine import cpu_name, one_core, other_core_busy
@@ -76,6 +78,21 @@ def test_maps_per_second(figures):
         assert set(rows) == {"one_core", "two_cores", "one_core_one_call"}
         for rates in rows.values():
             assert set(rates) == {"1", "4", "64", "256"} and min(rates.values()) > 0
+
+
+@pytest.mark.parametrize("callers", [1, 2])
+def test_callers_run_side_by_side_and_their_maps_add_up(monkeypatch, callers):
+    together, maps, clock = threading.Barrier(callers, timeout=20), [], itertools.count()
+
+    def call(batch):
+        together.wait()  # Breaks, unless all callers are in a call at the same time.
+        maps.append(batch)
+
+    # Every measurement takes a second.
+    monkeypatch.setattr(throughput.time, "perf_counter", lambda: float(next(clock)))
+    rates = throughput._rates(call, callers)
+    assert rates == dict.fromkeys(map(str, throughput.BATCHES), callers * throughput._MAPS)
+    assert sum(maps) == callers * throughput._MAPS * len(throughput.BATCHES) * (throughput._ROUNDS + 1)
 
 
 def test_histogram(figures):
