@@ -99,7 +99,7 @@ class Row:
     """One training.
 
     changes: what the plan says of it. maps: how many it learns from. data: name of the dataset that they are of.
-    folder: where it is kept.
+    seed: of everything that is random. folder: where it is kept.
     """
 
     name: str
@@ -107,6 +107,7 @@ class Row:
     recipe: Recipe
     maps: int
     data: str
+    seed: int
     folder: Path
 
     @classmethod
@@ -115,8 +116,9 @@ class Row:
         changes = plan["rows"][name]
         budget = {"epochs": plan["epochs"], "maps": plan["maps"]}
         values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **changes}
-        maps, data = values.pop("maps"), values.pop("data", "")
-        return cls(name, changes, Recipe.from_dict(values), maps, data, work / re.sub(r"\W+", "_", name).strip("_"))
+        maps, data, seed = values.pop("maps"), values.pop("data", ""), values.pop("seed", 0)
+        folder = work / re.sub(r"\W+", "_", name).strip("_")
+        return cls(name, changes, Recipe.from_dict(values), maps, data, seed, folder)
 
     def train(self, data: TrainingData) -> None:
         """Train to the end; a training that was interrupted goes on."""
@@ -126,7 +128,7 @@ class Row:
                 "make a larger dataset",
             )
         first = data.training.take(slice(self.maps))
-        fit(replace(data, training=first), self.folder, self.recipe, resume=True)
+        fit(replace(data, training=first), self.folder, self.recipe, resume=True, seed=self.seed)
 
     def judge(self, test: Dataset, pair: str) -> None:
         """Write figures.json, unless this model has been judged on this dataset."""
@@ -140,8 +142,9 @@ class Row:
         if self._figures_on(test) is None:
             return False
         info = load_network(self.folder)[1]
-        asked = (self.recipe.to_dict(), data.dataset_sha256, self.maps, self.recipe.epochs)
-        return asked == (info["recipe"], info["dataset_sha256"], info["maps"]["training"], info["epochs_done"])
+        # A recipe of before may lack values that came later.
+        made = (Recipe.from_dict(info["recipe"]), info["maps"]["training"], info["epochs_done"])
+        return info["dataset_sha256"] == data.dataset_sha256 and made == (self.recipe, self.maps, self.recipe.epochs)
 
     def result(self) -> dict[str, Any]:
         """What docs/results keeps of it."""

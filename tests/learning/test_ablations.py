@@ -189,7 +189,7 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     plan = module.tomllib.loads((module.DOCS / "ablations.toml").read_text(encoding="utf-8"))
     rows = [module.Row.of(plan, name, tmp_path) for name in plan["rows"]]
     assert len({row.folder for row in rows}) == len(rows) > 15
-    assert len({(str(row.recipe.to_dict()), row.maps, row.data) for row in rows}) == len(rows)
+    assert len({(str(row.recipe.to_dict()), row.maps, row.data, row.seed) for row in rows}) == len(rows)
     assert rows[0].name == "footsel" and rows[0].data == ""
     begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
     assert rows[0].recipe.to_dict() == Recipe.from_dict(begun).to_dict()
