@@ -42,15 +42,16 @@ class InputEncoding:
         """
         heights = np.asarray(heights, dtype=np.float32)
         encoded = np.empty((heights.shape[0], len(self.planes), *heights.shape[1:]), dtype=np.float32)
-        for index, plane in enumerate(self.planes):
+        for plane, values in zip(self.planes, encoded.swapaxes(0, 1), strict=True):
             if plane == "height":
-                image = heights_to_image(heights, self.height_range)
-                encoded[:, index] = quantise_image(image) / np.float32(255) if self.quantised else image
+                image = heights_to_image(heights, self.height_range, out=values)
+                if self.quantised:
+                    values[...] = quantise_image(image) / np.float32(255)
             elif plane == "unknown":
-                encoded[:, index] = np.isnan(heights)
+                values[...] = np.isnan(heights)
             else:
                 tilt = np.asarray(roll if plane == "roll" else pitch, dtype=np.float32) / np.float32(TILT_RANGE)
-                encoded[:, index] = tilt.reshape(-1, 1, 1)
+                values[...] = tilt.reshape(-1, 1, 1)
         return encoded
 
     def to_dict(self) -> dict[str, Any]:

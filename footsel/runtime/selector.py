@@ -22,7 +22,7 @@ from footsel.runtime.judgement import judge
 from footsel.runtime.leg_frames import Body, LegFrames
 from footsel.runtime.many import ManyFootholds
 from footsel.runtime.model_folder import DEFAULT_VARIANT, find_model_folder, load_networks
-from footsel.runtime.network import BATCH, COSTS, Network
+from footsel.runtime.network import COSTS, Network
 from footsel.runtime.picking import weigh
 from footsel.runtime.plausibility import UnitWarning
 from footsel.runtime.sampling import sample_legs
@@ -32,6 +32,8 @@ from footsel.terrain import CELLS, ElevationMap
 #: in the world frame; cell: (i, j) in the leg's local map; position: contact point in the world frame.
 Verify = Callable[[str, tuple[float, ...], tuple[int, int], tuple[float, float, float]], bool]
 
+#: Poses whose surroundings are sampled and weighed together in `select_many`: arrays that stay in a core's cache.
+_POSES = 4
 #: By how much a new foothold must be better than the previous one to be preferred to it, half a class. [cost]
 HYSTERESIS = 10.0
 
@@ -180,12 +182,12 @@ class FootholdSelector:
             return ManyFootholds.none(len(poses), legs)
 
         def answer(start: int) -> ManyFootholds:
-            part = slice(start, start + BATCH)
+            part = slice(start, start + _POSES)
             nearby = {leg: point[part] if point.ndim == 2 else point for leg, point in points.items()}
             frames = self._body.place(poses[part], sorted(legs, key=pair_of), nearby)
             return self._answers(elevation_map, frames, max_distance)[0].as_arrays(legs)
 
-        starts = range(0, len(poses), BATCH)
+        starts = range(0, len(poses), _POSES)
         if threads == 1:
             return ManyFootholds.concatenate([answer(start) for start in starts])
         with ThreadPoolExecutor(threads) as pool:

@@ -7,14 +7,17 @@ from numpy.typing import ArrayLike, NDArray
 HEIGHT_RANGE = 0.85
 
 
-def heights_to_image(heights: ArrayLike, height_range: float = HEIGHT_RANGE) -> NDArray[np.float32]:
+def heights_to_image(
+    heights: ArrayLike, height_range: float = HEIGHT_RANGE, out: NDArray[np.float32] | None = None
+) -> NDArray[np.float32]:
     """Depth below the hip point as a share of the range: 0 at or above L_i, 1 at the range and below, 1 for unknown.
 
-    heights: (..., n, n) terrain height relative to L_i, NaN = unknown, in [m].
+    heights: (..., n, n) terrain height relative to L_i, NaN = unknown, in [m]. out: where the image goes.
     """
-    depth = np.asarray(heights, dtype=np.float32) / np.float32(-height_range)
-    # Of NaN and a number, the number.
-    return np.asarray(np.fmax(np.fmin(depth, np.float32(1)), np.float32(0)))
+    image = np.divide(np.asarray(heights, dtype=np.float32), np.float32(-height_range), out=out)
+    # Of NaN and a number these take the number.
+    np.fmin(image, np.float32(1), out=image)
+    return np.asarray(np.fmax(image, np.float32(0), out=image))
 
 
 def quantise_image(image: ArrayLike) -> NDArray[np.uint8]:
