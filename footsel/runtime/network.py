@@ -15,8 +15,8 @@ from footsel.terrain import CELLS
 #: The outputs that a choice needs.
 COSTS = (INFEASIBLE_OUTPUT, COST_OUTPUT)
 
-#: Maps per call of onnxruntime: what a layer makes of more falls out of a core's own cache, and two cores that call at a
-#: time wait for the one that they share.
+#: Maps per call of onnxruntime: what a layer makes of more falls out of a core's own cache, and two cores that call at
+#: a time wait for the one that they share.
 BATCH = 2
 
 
