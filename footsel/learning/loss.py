@@ -18,9 +18,13 @@ from footsel.footholds.cost import (
 )
 from footsel.learning.ranks import ALONE, Ranks
 from footsel.learning.recipe import Recipe
+from footsel.terrain import CELLS
 
 #: c of the class weights, "In this application we used c=1.08".
 CLASS_WEIGHT_C = 1.08
+
+#: Footholds of a map that counts once: a quarter of its cells.
+PLENTY = CELLS**2 / 4
 
 #: Class of every possible 8-bit label. Unknown cells carry 255, so they are learnt as infeasible.
 LABEL_CLASS = cost_to_class(np.arange(256))
@@ -61,12 +65,23 @@ def targets(spread: float) -> NDArray[np.float32]:
     return table
 
 
+def map_weights(reason: Tensor, most: float) -> Tensor:
+    """(n,) how often each map counts, up to `most`: the square root of how rare footholds are in it.
+
+    reason: (n, 40, 40). A map of which a quarter is feasible counts once. Where nearly nothing is, one wrong cell makes
+    a wrong pick, or hides the only one; where much is, it hardly matters.
+    """
+    footholds = (reason == Reason.FEASIBLE).sum(dim=(1, 2)).clamp(min=1)
+    return (PLENTY / footholds).sqrt().clamp(max=most)
+
+
 class FootholdLoss:
     """Cross-entropy of the classes, averaged over all cells by their weights, plus that of the reasons.
 
     class_weight: (14,). The minimum has the odds w p, which calibrated logits are corrected for. `collision_weight`
     counts each cell that collides with terrain as so many: no constant per class undoes that, so where a collision
-    is possible the network's p(infeasible) is higher than in the data, and the threshold is chosen after it.
+    is possible the network's p(infeasible) is higher than in the data, and the threshold is chosen after it. `scarcity`
+    is the most that a map counts (map_weights); at 1 all count alike.
     ranks: processes that share a batch; each gets its part of the loss, the parts add up to that of the batch.
     """
 
@@ -77,12 +92,15 @@ class FootholdLoss:
         reason_factor[Reason.TERRAIN_COLLISION] = recipe.collision_weight
         self._reason_factor = reason_factor
         self._reason_weight = recipe.reason_weight
+        self._scarcity = recipe.scarcity
 
     def __call__(self, logits: Tensor, reason_logits: Tensor | None, samples: Samples) -> Tensor:
         """logits: (n, 14, 40, 40). reason_logits: (n, 5, 40, 40), None if reasons are not learnt."""
         reason = torch.from_numpy(samples.reason).long()  # (n, 40, 40)
         weighted = self._weighted_targets[torch.from_numpy(samples.cost).long()]  # (n, 40, 40, 14)
         weighted = weighted * self._reason_factor[reason][..., None]
+        if self._scarcity > 1:
+            weighted = weighted * map_weights(reason, self._scarcity)[:, None, None, None]
         surprise = -functional.log_softmax(logits.float(), dim=1).permute(0, 2, 3, 1)
         loss = (weighted * surprise).sum() / self._ranks.total(weighted.sum())
         if reason_logits is not None:

@@ -46,7 +46,7 @@ class Recipe:
     architecture: "erfnet" or "footnet"; for the latter cells, widths, blocks and features
         (footsel.learning.footnet.FootNet).
     balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
-    ordinal, reason_weight, collision_weight: of the loss (footsel.learning.loss).
+    ordinal, reason_weight, collision_weight, scarcity: of the loss (footsel.learning.loss).
     noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells. shift: standard
         deviation of a training map's height, in [m] (footsel.learning.augmentation).
     """
@@ -77,6 +77,7 @@ class Recipe:
     noise: float = 0.0
     holes: float = 0.0
     shift: float = 0.0
+    scarcity: float = 1.0
 
     def __post_init__(self) -> None:
         for key in ("planes", "cells", "widths", "blocks", "features"):
@@ -97,6 +98,7 @@ class Recipe:
             "reason_weight", _is_number(self.reason_weight) and self.reason_weight >= 0, "a number of 0 or more"
         )
         self._check("collision_weight", _is_number(self.collision_weight) and self.collision_weight > 0, "above 0")
+        self._check("scarcity", _is_number(self.scarcity) and self.scarcity >= 1, "a number of 1 or more")
         for key in ("noise", "holes"):
             share = getattr(self, key)
             self._check(key, _is_number(share) and 0 <= share <= 1, "a share from 0 to 1")

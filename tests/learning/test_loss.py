@@ -8,7 +8,7 @@ import torch
 from torch.nn import functional
 
 from footsel.footholds import Reason
-from footsel.learning.loss import LABEL_CLASS, FootholdLoss, targets
+from footsel.learning.loss import LABEL_CLASS, FootholdLoss, map_weights, targets
 from footsel.learning.recipe import Recipe
 
 WEIGHT = np.linspace(1.4, 13, 14, dtype=np.float32)
@@ -20,7 +20,8 @@ def logits(samples):
 
 
 def loss(samples, logits, reason_logits=None, **values):
-    return FootholdLoss(replace(Recipe.load("footsel"), **values), WEIGHT)(logits, reason_logits, samples)
+    recipe = replace(Recipe.load("footsel"), **{"scarcity": 1.0, **values})
+    return FootholdLoss(recipe, WEIGHT)(logits, reason_logits, samples)
 
 
 def test_labels_are_the_papers_classes():
@@ -78,6 +79,28 @@ def test_a_collision_counts_as_so_many_cells(samples, logits):
     expected = functional.cross_entropy(*twice, torch.from_numpy(WEIGHT))
     found = loss(samples, logits, ordinal=0.0, reason_weight=0.0, collision_weight=2.0)
     torch.testing.assert_close(found, expected, rtol=1e-5, atol=1e-6)
+
+
+def test_a_map_counts_the_more_the_fewer_footholds_it_has():
+    reason = np.full((5, 40, 40), Reason.KINEMATIC_RANGE)
+    for one, footholds in zip(reason.reshape(5, -1), (1600, 400, 100, 25, 0), strict=True):
+        one[:footholds] = Reason.FEASIBLE
+    assert map_weights(torch.from_numpy(reason), 3.0).tolist() == [0.5, 1, 2, 3, 3]
+    assert map_weights(torch.from_numpy(reason), 50.0).tolist() == [0.5, 1, 2, 4, 20]
+
+
+def test_scarcity_weighs_maps_and_nothing_else(samples, logits):
+    """The loss is the mean of each map's own, by what the map's cells weigh and by how often it counts."""
+    each, weight = [], []
+    for number in range(len(samples)):
+        one = samples.take(slice(number, number + 1))
+        each.append(loss(one, logits[number : number + 1], ordinal=0.0, reason_weight=0.0, collision_weight=1.0))
+        cells = WEIGHT[LABEL_CLASS[one.cost]].sum()
+        weight.append(cells * map_weights(torch.from_numpy(one.reason), 2.0).item())
+    assert len({w / c for w, c in zip(weight, WEIGHT[LABEL_CLASS[samples.cost]].sum(axis=(1, 2)), strict=True)}) > 1
+    expected = torch.stack(each) @ torch.tensor(weight) / sum(weight)
+    found = loss(samples, logits, ordinal=0.0, reason_weight=0.0, collision_weight=1.0, scarcity=2.0)
+    torch.testing.assert_close(found, expected, rtol=1e-5, atol=1e-6, check_dtype=False)
 
 
 def test_reasons_are_a_second_cross_entropy(samples, logits):

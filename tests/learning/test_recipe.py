@@ -91,6 +91,7 @@ def test_a_wrong_value_is_named(key, value):
         ("ordinal", -1),
         ("reason_weight", math.inf),
         ("collision_weight", 0),
+        ("scarcity", 0.5),
         ("noise", -0.5),
         ("noise", 1.5),
         ("holes", -0.1),
@@ -123,7 +124,7 @@ def test_a_recipe_of_before_these_choices_is_erfnet_with_none_of_them():
         "reason_weight",
         "collision_weight",
     )
-    new += ("noise", "holes")
+    new += ("noise", "holes", "shift", "scarcity")
     assert Recipe.from_dict({key: value for key, value in values.items() if key not in new}) == Recipe.load("paper")
 
 
