@@ -115,7 +115,7 @@ class Row:
         """The row `name` of the plan."""
         changes = plan["rows"][name]
         budget = {"epochs": plan["epochs"], "maps": plan["maps"]}
-        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **plan.get("base", {}), **changes}
+        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **changes}
         maps, data, seed = values.pop("maps"), values.pop("data", ""), values.pop("seed", 0)
         folder = work / re.sub(r"\W+", "_", name).strip("_")
         return cls(name, changes, Recipe.from_dict(values), maps, data, seed, folder)
@@ -184,7 +184,6 @@ def conditions(plan: Mapping[str, Any], data: TrainingData, test: Dataset) -> di
     """What all rows have in common."""
     return {
         "recipe": plan["recipe"],
-        "base": plan.get("base", {}),
         "legs": plan["legs"],
         "budget": {"maps": plan["maps"], "epochs": plan["epochs"]},
         "training": {"config": dict(data.dataset), "sha256": data.dataset_sha256},

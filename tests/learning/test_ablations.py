@@ -191,7 +191,7 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     assert len({row.folder for row in rows}) == len(rows) > 15
     assert len({(str(row.recipe.to_dict()), row.maps, row.data, row.seed) for row in rows}) == len(rows)
     assert rows[0].name == "footsel" and rows[0].data == ""
-    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"], **plan["base"]}
+    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
     assert rows[0].recipe.to_dict() == Recipe.from_dict(begun).to_dict()
     # Equal budgets, but for the rows that say what a smaller and a larger one buy.
     budgets = {row.name: row.maps * row.recipe.epochs for row in rows}

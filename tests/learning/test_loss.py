@@ -20,8 +20,7 @@ def logits(samples):
 
 
 def loss(samples, logits, reason_logits=None, **values):
-    recipe = replace(Recipe.load("footsel"), **{"scarcity": 1.0, **values})
-    return FootholdLoss(recipe, WEIGHT)(logits, reason_logits, samples)
+    return FootholdLoss(replace(Recipe.load("footsel"), **values), WEIGHT)(logits, reason_logits, samples)
 
 
 def test_labels_are_the_papers_classes():
