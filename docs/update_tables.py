@@ -755,8 +755,8 @@ def ablations_conditions() -> str:
     return (
         f"{result['budget']['maps']:,} maps for {result['budget']['epochs']} epochs if a row says nothing else, of a "
         f"dataset of {training['maps']:,} (seed {training['seed']}); judged on {test['maps']:,} maps of seed "
-        f"{test['seed']}; half of the rows took more than {minutes:.0f} minutes on one thread of {result['cpu']}, which "
-        f"other work shared, {arithmetic}."
+        f"{test['seed']}; half of the rows took more than {minutes:.0f} minutes on one thread of {result['cpu']}, "
+        f"which other work shared, {arithmetic}."
     )
 
 
