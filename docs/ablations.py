@@ -61,6 +61,8 @@ def main() -> int:
     args = parser.parse_args()
     plan = tomllib.loads((DOCS / "ablations.toml").read_text(encoding="utf-8"))
     try:
+        if wrong := [other for other in args.others if "=" not in other]:
+            raise InputError(f"--data {wrong[0]} names no folder", "give NAME=FOLDER")
         folders = {"": args.data, **dict(other.split("=", 1) for other in args.others)}
         run(plan, folders, args.test, args.work, args.rows or list(plan["rows"]))
     except FootselError as error:

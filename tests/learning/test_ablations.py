@@ -151,6 +151,7 @@ def test_a_row_of_another_plan_is_not_mixed_in(ablations, tmp_path, capsys):
     [
         ({"options": ["--rows", "larger"]}, "unknown row 'larger'; choose from: footsel, smaller"),
         ({"test": "data"}, "is of the seed that is trained on; judge on a dataset of another seed"),
+        ({"options": ["--data", "four"]}, "--data four names no folder; give NAME=FOLDER"),
         ({"data": "none"}, "none holds no finished dataset"),
     ],
 )
