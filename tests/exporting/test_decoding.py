@@ -6,7 +6,7 @@ import onnxruntime
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from onnx import TensorProto, helper
+from onnx import TensorProto, helper, numpy_helper
 
 from footsel.exporting.decoding import with_decoding, without_decoding
 from footsel.footholds.cost import INFEASIBLE_CLASS, expected_cost, softmax
@@ -19,11 +19,24 @@ def identity() -> onnx.ModelProto:
     return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 20)], ir_version=10)
 
 
-@pytest.fixture(scope="module")
-def decode():
-    session = onnxruntime.InferenceSession(with_decoding(identity()).SerializeToString())
+def clipped(largest: float) -> onnx.ModelProto:
+    """logits = maps, at most so far from zero."""
+    model = identity()
+    bounds = {"least": -largest, "most": largest}
+    model.graph.initializer.extend(numpy_helper.from_array(np.float32(value), name) for name, value in bounds.items())
+    model.graph.node[0].CopyFrom(helper.make_node("Clip", ["maps", *bounds], ["logits"]))
+    return model
+
+
+def decoding_of(network: onnx.ModelProto):
+    session = onnxruntime.InferenceSession(with_decoding(network).SerializeToString())
     assert [output.name for output in session.get_outputs()] == ["logits", "infeasible", "cost"]
     return lambda logits: session.run(["infeasible", "cost"], {"maps": logits})
+
+
+@pytest.fixture(scope="module")
+def decode():
+    return decoding_of(identity())
 
 
 def check(decode, logits):
@@ -67,7 +80,27 @@ def test_doubt_spreads_to_the_neighbours_and_stops_at_the_border(decode):
     np.testing.assert_allclose(cost[2:], cheapest, atol=1e-3)
 
 
-def test_decoding_can_be_taken_off_again():
-    network = identity()
+@pytest.mark.parametrize("largest", [12.0, 60.0, 61.0, 1e30])
+@pytest.mark.parametrize("which", [0, INFEASIBLE_CLASS])
+def test_logits_within_bounds_are_decoded_alike(largest, which):
+    """Also where all but one class are as unlikely as they can be."""
+    logits = np.random.default_rng(0).uniform(-1, 1, (2, 14, 40, 40)) * min(1.2 * largest, 3e38)
+    logits[1] = -largest
+    logits[1, which] = largest
+    logits = logits.astype(np.float32)
+    infeasible, cost = decoding_of(clipped(largest))(logits)
+    probabilities = softmax(logits.clip(-largest, largest), axis=1)
+    np.testing.assert_allclose(infeasible, probabilities[:, INFEASIBLE_CLASS], atol=1e-6)
+    np.testing.assert_allclose(cost, expected_cost(probabilities), atol=2e-4)
+
+
+def test_bounds_save_passes_over_the_logits():
+    """FootNet's bounds do; a network without any, or with wide ones, needs the largest logit of every cell."""
+    saved = [len(with_decoding(network).graph.node) for network in (clipped(12.0), clipped(1e3), identity())]
+    assert saved[0] < saved[1] == saved[2]
+
+
+@pytest.mark.parametrize("network", [identity(), clipped(12.0)], ids=["any", "bounded"])
+def test_decoding_can_be_taken_off_again(network):
     assert without_decoding(with_decoding(network)) == network
     assert without_decoding(network) == network
