@@ -166,9 +166,11 @@ def test_the_threshold_keeps_best_to_both_limits():
     def point(threshold, infeasible, missed):
         return {"feasible_below": threshold, "infeasible_rate": infeasible, "missed_rate": missed}
 
-    # 0.7 % of infeasible picks weigh as much as 0.5 % of missed footholds, and the worse of the two counts.
-    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.01, 0.007), point(0.1, 0.0, 0.01)]) == 0.2
+    # 0.7 % of infeasible picks weigh as much as 0.5 % of missed footholds, and the one further off more than the other.
+    assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.01, 0.0065), point(0.1, 0.0, 0.01)]) == 0.2
     assert choose_feasible_below([point(0.5, 0.02, 0), point(0.2, 0.01, 0.0105), point(0.1, 0.0, 0.01)]) == 0.1
+    # The worse of the two is all but the same, the other is not.
+    assert choose_feasible_below([point(0.5, 0.0103, 0.0068), point(0.2, 0.0101, 0.0085)]) == 0.5
     # As good: fewer infeasible picks, and then no cell forbidden for nothing.
     assert choose_feasible_below([point(0.5, 0.007, 0.005), point(0.2, 0.005, 0.005), point(0.1, 0.005, 0.005)]) == 0.2
     # Nothing picked at all, or nothing to pick, has no rate.
