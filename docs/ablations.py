@@ -116,8 +116,7 @@ class Row:
     def of(cls, plan: Mapping[str, Any], name: str, work: Path) -> "Row":
         """The row `name` of the plan."""
         changes = plan["rows"][name]
-        budget = {"epochs": plan["epochs"], "maps": plan["maps"]}
-        values = {**Recipe.load(plan["recipe"]).to_dict(), **budget, **changes}
+        values = {**Recipe.load(plan["recipe"]).to_dict(), **plan["base"], **changes}
         maps, data, seed = values.pop("maps"), values.pop("data", ""), values.pop("seed", 0)
         folder = work / re.sub(r"\W+", "_", name).strip("_")
         return cls(name, changes, Recipe.from_dict(values), maps, data, seed, folder)
@@ -187,7 +186,7 @@ def conditions(plan: Mapping[str, Any], data: TrainingData, test: Dataset) -> di
     return {
         "recipe": plan["recipe"],
         "legs": plan["legs"],
-        "budget": {"maps": plan["maps"], "epochs": plan["epochs"]},
+        "base": plan["base"],
         "training": {"config": dict(data.dataset), "sha256": data.dataset_sha256},
         "test": {"config": test.manifest["config"], "sha256": test.sha256},
         "cpu": cpu_name(),

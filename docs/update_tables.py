@@ -753,7 +753,7 @@ def ablations_conditions() -> str:
     arithmetic = "bfloat16" if result["bfloat16"] else "float32"
     minutes = statistics.median(row["minutes"] for row in result["rows"])
     return (
-        f"{result['budget']['maps']:,} maps for {result['budget']['epochs']} epochs if a row says nothing else, of a "
+        f"{result['base']['maps']:,} maps for {result['base']['epochs']} epochs if a row says nothing else, of a "
         f"dataset of {training['maps']:,} (seed {training['seed']}); judged on {test['maps']:,} maps of seed "
         f"{test['seed']}; half of the rows took more than {minutes:.0f} minutes on one thread of {result['cpu']}, "
         f"which other work shared, {arithmetic}."

@@ -16,9 +16,11 @@ from footsel.learning.recipe import Recipe
 PLAN = """
 recipe = "footsel"
 legs = "front"
+[base]
 maps = 16
 epochs = 2
-[rows."footsel"]
+scarcity = 2.0
+[rows."base"]
 [rows."smaller, no place"]
 cells = [8, 8]
 widths = [12, 16]
@@ -28,7 +30,7 @@ features = ["footing"]
 maps = 8
 epochs = 3
 """
-NAMES = ["footsel", "smaller, no place", "fewer maps"]
+NAMES = ["base", "smaller, no place", "fewer maps"]
 OTHER_DATA = """
 [rows."of another dataset"]
 data = "other"
@@ -126,7 +128,7 @@ def test_a_row_that_is_killed_goes_on(ablations, monkeypatch):
     monkeypatch.setattr(training, "save_checkpoint", save_then_die)
     with pytest.raises(KilledError):
         ablations.command()
-    assert [row["name"] for row in rows_of(ablations)] == ["footsel", "fewer maps"]  # Not half of a row.
+    assert [row["name"] for row in rows_of(ablations)] == ["base", "fewer maps"]  # Not half of a row.
     assert (folder / "model.safetensors").is_file()
     monkeypatch.setattr(training, "save_checkpoint", save)
     assert ablations.command() == 0
@@ -138,7 +140,7 @@ def test_a_row_that_is_killed_goes_on(ablations, monkeypatch):
 
 
 def test_a_row_of_another_plan_is_not_mixed_in(ablations, tmp_path, capsys):
-    assert ablations.command("--rows", "footsel") == 0
+    assert ablations.command("--rows", "base") == 0
     (tmp_path / "ablations.toml").write_text(PLAN.replace("epochs = 2", "epochs = 1"))
     assert ablations.command("--rows", "fewer maps") == 0
     assert [row["name"] for row in rows_of(ablations)] == ["fewer maps"]
@@ -149,7 +151,7 @@ def test_a_row_of_another_plan_is_not_mixed_in(ablations, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("use", "message"),
     [
-        ({"options": ["--rows", "larger"]}, "unknown row 'larger'; choose from: footsel, smaller"),
+        ({"options": ["--rows", "larger"]}, "unknown row 'larger'; choose from: base, smaller"),
         ({"test": "data"}, "is of the seed that is trained on; judge on a dataset of another seed"),
         ({"options": ["--data", "four"]}, "--data four names no folder; give NAME=FOLDER"),
         ({"data": "none"}, "none holds no finished dataset"),
@@ -163,25 +165,25 @@ def test_wrong_use_is_one_line(ablations, capsys, use, message):
 
 def test_a_row_may_be_of_another_dataset(ablations, tmp_path, datasets, capsys):
     (tmp_path / "ablations.toml").write_text(PLAN + OTHER_DATA)
-    rows = ("--rows", "footsel", "of another dataset")
+    rows = ("--rows", "base", "of another dataset")
     assert ablations.command(*rows) == 2
     assert "no dataset other; give its folder: --data other=FOLDER" in capsys.readouterr().err
 
     assert ablations.command("--data", f"other={datasets / 'other'}", *rows) == 0
     assert [row["changes"] for row in rows_of(ablations)] == [{}, {"data": "other"}]
     (info, other) = (
-        load_network(tmp_path / "work" / name)[1]["dataset_sha256"] for name in ("footsel", "of_another_dataset")
+        load_network(tmp_path / "work" / name)[1]["dataset_sha256"] for name in ("base", "of_another_dataset")
     )
     assert info == open_dataset(datasets / "data").sha256 != other == open_dataset(datasets / "other").sha256
     # Without that dataset its row cannot be vouched for.
-    assert ablations.command("--rows", "footsel") == 0
-    assert [row["name"] for row in rows_of(ablations)] == ["footsel"]
+    assert ablations.command("--rows", "base") == 0
+    assert [row["name"] for row in rows_of(ablations)] == ["base"]
 
 
 def test_too_few_maps_are_said(ablations, tmp_path, capsys):
     (tmp_path / "ablations.toml").write_text(PLAN.replace("maps = 16", "maps = 17"))
     assert ablations.command() == 2
-    assert "row footsel needs 17 training maps, there are 16; make a larger dataset" in capsys.readouterr().err
+    assert "row base needs 17 training maps, there are 16; make a larger dataset" in capsys.readouterr().err
 
 
 def test_the_plan_of_the_page_can_be_run(script, tmp_path):
@@ -191,13 +193,15 @@ def test_the_plan_of_the_page_can_be_run(script, tmp_path):
     rows = [module.Row.of(plan, name, tmp_path) for name in plan["rows"]]
     assert len({row.folder for row in rows}) == len(rows) > 15
     assert len({(str(row.recipe.to_dict()), row.maps, row.data, row.seed) for row in rows}) == len(rows)
-    assert rows[0].name == "footsel" and rows[0].data == ""
-    begun = {**Recipe.load("footsel").to_dict(), "epochs": plan["epochs"]}
-    assert rows[0].recipe.to_dict() == Recipe.from_dict(begun).to_dict()
+    assert rows[0].name == "base" and rows[0].data == ""
+    # What ships is a row too, whatever the base was.
+    base = plan["base"]
+    shipped = Recipe.from_dict({**Recipe.load("footsel").to_dict(), "epochs": base["epochs"]})
+    assert shipped.to_dict() in [row.recipe.to_dict() for row in rows]
     # Equal budgets, but for the rows that say what a smaller and a larger one buy.
     budgets = {row.name: row.maps * row.recipe.epochs for row in rows}
-    assert budgets.pop("half the maps, as many epochs") == plan["maps"] * plan["epochs"] / 2
-    assert budgets.pop("twice the maps, as many epochs") == 2 * plan["maps"] * plan["epochs"]
-    assert set(budgets.values()) == {plan["maps"] * plan["epochs"]}
+    assert budgets.pop("half the maps, as many epochs") == base["maps"] * base["epochs"] / 2
+    assert budgets.pop("twice the maps, as many epochs") == 2 * base["maps"] * base["epochs"]
+    assert set(budgets.values()) == {base["maps"] * base["epochs"]}
     with pytest.raises(UnknownNameError, match="feature"):
         module.Row.of({**plan, "rows": {"a": {"features": ["luck"]}}}, "a", tmp_path)
