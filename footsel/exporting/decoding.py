@@ -20,14 +20,14 @@ _ANY = {
   highest_logit = ReduceMax<keepdims = 1>({LOGITS_OUTPUT}, class_axis)
   relative_logits = Sub({LOGITS_OUTPUT}, highest_logit)
   likelihoods = Exp(relative_logits)""",
-    "sum_feasible": """
+    "cost_if_feasible": """
   sum_feasible_safe = Max(sum_feasible, smallest)
   cost_if_feasible = Div(sum_cost, sum_feasible_safe)""",
 }
 #: Of logits that the network itself keeps within bounds, as FootNet does, two passes over all of them can be saved.
 _BOUNDED = {
     "likelihoods": f"likelihoods = Exp({LOGITS_OUTPUT})",
-    "sum_feasible": "cost_if_feasible = Div(sum_cost, sum_feasible)",
+    "cost_if_feasible": "cost_if_feasible = Div(sum_cost, sum_feasible)",
 }
 #: How far from zero logits may be for that: e to this is far from where float32 ends, up and down, also as a sum.
 _BOUND = 60.0
@@ -46,7 +46,7 @@ decoding (float[n, {CLASSES}, {CELLS}, {CELLS}] {LOGITS_OUTPUT})
   sum_all, sum_feasible, sum_cost, sum_infeasible = Split<axis = 1, num_outputs = 4>(sums)
 
   infeasible_plane = Div(sum_infeasible, sum_all)
-  %(sum_feasible)s
+  %(cost_if_feasible)s
 
   mean_of_columns = MatMul(mean_of_three, infeasible_plane)
   neighbourhood_mean = MatMul(mean_of_columns, mean_of_three_transposed)

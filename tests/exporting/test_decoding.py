@@ -10,6 +10,8 @@ from onnx import TensorProto, helper, numpy_helper
 
 from footsel.exporting.decoding import with_decoding, without_decoding
 from footsel.footholds.cost import INFEASIBLE_CLASS, expected_cost, softmax
+from footsel.legs import PAIRS
+from footsel.runtime.model_folder import find_model_folder, network_file
 
 
 def identity() -> onnx.ModelProto:
@@ -98,6 +100,14 @@ def test_bounds_save_passes_over_the_logits():
     """FootNet's bounds do; a network without any, or with wide ones, needs the largest logit of every cell."""
     saved = [len(with_decoding(network).graph.node) for network in (clipped(12.0), clipped(1e3), identity())]
     assert saved[0] < saved[1] == saved[2]
+
+
+@pytest.mark.parametrize(("name", "bounded"), [("anymal_b", True), ("anymal_b_paper", False)])
+@pytest.mark.parametrize("pair", PAIRS)
+def test_what_is_released_takes_no_pass_that_it_can_save(name, bounded, pair):
+    """A clip that an exporter writes in another way would only be slower, and nothing else would tell."""
+    model = onnx.load(find_model_folder(name) / network_file(pair))
+    assert ("highest_logit" in {output for node in model.graph.node for output in node.output}) != bounded
 
 
 @pytest.mark.parametrize("network", [identity(), clipped(12.0)], ids=["any", "bounded"])
