@@ -26,6 +26,7 @@ from footsel.files import write_json
 from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.learning.ball_choice import with_best_balls
+from footsel.learning.ball_fit import with_fitted_balls
 from footsel.learning.clearance import BEYOND, FALL, LegClearance
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -36,19 +37,22 @@ from footsel.robot import load_robot
 RESULT = Path(__file__).resolve().parent / "results" / "clearance.json"
 PAIR = "front"
 #: Maps, spread over the dataset; the last quarter judges. Share of their cells in range that is kept.
-MAPS, VALIDATION, KEPT = 1500, 0.25, 0.5
+MAPS, VALIDATION, KEPT = 4000, 0.25, 0.5
 BALLS = 5
-#: Balls (0 for all), rings beyond them, fall; thickness of the balls beside the usual.
-VARIANTS: Mapping[str, tuple[int, int, float, float]] = {
-    "five balls, a ring beyond": (BALLS, BEYOND, FALL, 1.0),
-    "nothing beyond": (BALLS, 0, FALL, 1.0),
-    "two rings beyond": (BALLS, 2, FALL, 1.0),
-    "a ring that falls half as steeply": (BALLS, BEYOND, FALL / 2, 1.0),
-    "balls a tenth thinner": (BALLS, BEYOND, FALL, 1 / 1.1),
-    "balls a tenth thicker": (BALLS, BEYOND, FALL, 1.1),
-    "six balls": (6, BEYOND, FALL, 1.0),
-    "all balls": (0, BEYOND, FALL, 1.0),
-    "all balls, nothing beyond": (0, 0, FALL, 1.0),
+#: Balls (0 for all), rings beyond them, fall; thickness of the balls beside the usual; whether they are fitted.
+VARIANTS: Mapping[str, tuple[int, int, float, float, bool]] = {
+    "five balls, a ring beyond": (BALLS, BEYOND, FALL, 1.0, False),
+    "the same, fitted": (BALLS, BEYOND, FALL, 1.0, True),
+    "nothing beyond": (BALLS, 0, FALL, 1.0, False),
+    "two rings beyond": (BALLS, 2, FALL, 1.0, False),
+    "a ring that falls half as steeply": (BALLS, BEYOND, FALL / 2, 1.0, False),
+    "balls a tenth thinner": (BALLS, BEYOND, FALL, 1 / 1.1, False),
+    "balls a tenth thicker": (BALLS, BEYOND, FALL, 1.1, False),
+    "six balls": (6, BEYOND, FALL, 1.0, False),
+    "all balls": (0, BEYOND, FALL, 1.0, False),
+    "all balls, nothing beyond": (0, 0, FALL, 1.0, False),
+    "three balls, fitted": (3, BEYOND, FALL, 1.0, True),
+    "all balls, fitted": (0, BEYOND, FALL, 1.0, True),
 }
 #: Shares of the feasible cells that are given away, at which variants are compared.
 LOST = (0.01, 0.03)
@@ -74,12 +78,12 @@ def main() -> int:
     return 0
 
 
-def measured(samples: Samples, balls: int, beyond: int, fall: float, thickness: float) -> dict[str, Any]:
+def measured(samples: Samples, balls: int, beyond: int, fall: float, thickness: float, fitted: bool) -> dict[str, Any]:
     """What a small network makes of one variant."""
     collides = samples.reason == Reason.TERRAIN_COLLISION
     in_range = collides | (samples.reason == Reason.FEASIBLE)
     kept = in_range & (np.random.default_rng(0).random(in_range.shape) < KEPT)
-    seen = torch.from_numpy(_seen(samples, kept, balls, beyond, fall, thickness))
+    seen = torch.from_numpy(_seen(samples, kept, balls, beyond, fall, thickness, fitted))
     label = torch.from_numpy(collides[kept].astype(np.float32))
     judged = torch.from_numpy(np.nonzero(kept)[0] >= (1 - VALIDATION) * len(samples))
     net = _trained(seen[~judged], label[~judged])
@@ -96,13 +100,16 @@ def measured(samples: Samples, balls: int, beyond: int, fall: float, thickness: 
 
 
 def _seen(
-    samples: Samples, kept: NDArray[np.bool_], balls: int, beyond: int, fall: float, thickness: float
+    samples: Samples, kept: NDArray[np.bool_], balls: int, beyond: int, fall: float, thickness: float, fitted: bool
 ) -> NDArray[np.float32]:
     """(cells, planes) clearances and posture of the cells that are kept."""
     robot = load_robot()
     layout, whole = robot.layout, LegSkeleton.of(robot, TRAINED_LEG[PAIR])
     skeleton = with_best_balls(whole, samples, layout, balls)
     skeleton = replace(skeleton, radius=thickness * skeleton.radius)
+    if fitted:
+        # Not to those that judge.
+        skeleton = with_fitted_balls(skeleton, samples.take(slice(int((1 - VALIDATION) * len(samples)))), layout)
     layer = LegClearance(layout, skeleton, beyond, fall)
     encoding = InputEncoding(PLANES, False, layout.height_range)
     parts = []

@@ -31,8 +31,11 @@ class LegClearance(nn.Module):
     """Clearance of each ball of the leg's skeleton over the terrain below it, in [-1, 1], 1 at LARGEST_CLEARANCE.
 
     The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius and a margin aside. The
-    balls fill the bodies roughly, so this is an estimate, which the network weighs. Nothing here is learnt, so no
-    gradient passes.
+    balls fill the bodies roughly, so this is an estimate, which the network weighs. What it computes with is constant;
+    `ball_fit` finds other constants by the gradient.
+
+    beyond, fall: of spheres; a skeleton whose balls are fitted has its own rises.
+
     Sums that place the balls are in float64, for beside a wall little decides much. What follows goes number by number,
     which every engine rounds alike, in the input's type.
     """
@@ -41,17 +44,19 @@ class LegClearance(nn.Module):
         super().__init__()
         self._layout = layout
         self.channels = len(skeleton.radius)
-        self._unit = LARGEST_CLEARANCE * layout.resolution
+        self.unit = LARGEST_CLEARANCE * layout.resolution
         radii = sorted(set(skeleton.radius.tolist()))
-        rises = _rises(np.array(radii), layout.resolution, beyond, fall)
-        keep_constant(self, "rises", rises[..., None, None] / self._unit)
-        for name, weight in zip(("place", "along_w", "w_axis"), _ball_sums(skeleton), strict=True):
+        rises = skeleton.rises
+        if rises is None:
+            rises = _rises(np.array(radii), layout.resolution, beyond, fall)
+        keep_constant(self, "rises", rises[..., None, None] / self.unit)
+        for name, weight in zip(("place", "along_w", "w_axis"), ball_sums(skeleton), strict=True):
             keep_constant(self, name, weight, np.float64)
 
         # From the leg's axes to the map: rows and columns, and heights.
         to_hfe = skeleton.haa + skeleton.basis[0] * skeleton.hfe_offset[0]
         keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, to_hfe]), np.float64)
-        scale = [[1 / layout.resolution], [1 / layout.resolution], [1 / self._unit]]
+        scale = [[1 / layout.resolution], [1 / layout.resolution], [1 / self.unit]]
         keep_constant(self, "scale", scale, np.float64)
         middle = (CELLS - 1) / 2 - ORIGIN
         keep_constant(self, "middle", [[middle], [middle], [0.0]], np.float64)
@@ -60,7 +65,6 @@ class LegClearance(nn.Module):
         keep_constant(self, "index", np.array([[float(CELLS), 1.0]]))
         keep_constant(self, "first_index", np.repeat(surface * CELLS**2 + ORIGIN * (CELLS + 1), CELLS**2)[None])
 
-    @torch.no_grad()
     def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
         """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where it is known ->
         (n, channels, 1600)."""
@@ -107,7 +111,7 @@ class LegClearance(nn.Module):
         In units of the largest clearance. Unknown cells are as deep as an image goes: no leg comes near.
         """
         depth = 1 - (1 - depth) * known
-        ground = depth * (-self._layout.height_range / self._unit)
+        ground = depth * (-self._layout.height_range / self.unit)
         # Of each square around a cell, from that of the one before.
         highest = [ground]
         while len(highest) < self.get_buffer("rises").shape[1]:
@@ -115,7 +119,7 @@ class LegClearance(nn.Module):
         return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
 
 
-def _ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Sums of Posture's 10 planes, in [m], that place m balls from the HFE axis: the first + the second x the third.
 
     (3, 10 m) along u, v and w but for what turns with the leg plane's w, ball after ball; (m, 10) along that w;

@@ -1,5 +1,7 @@
 """Names of a run's files."""
 
+#: Numbers of the leg that the network was built for.
+SKELETON_FILE = "skeleton.json"
 #: What a training is resumed from, and what is used of it.
 CHECKPOINT_FILE = "checkpoint.safetensors"
 MODEL_FILE = "model.safetensors"

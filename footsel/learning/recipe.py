@@ -46,6 +46,7 @@ class Recipe:
     architecture: "erfnet" or "footnet"; for the latter cells, widths, blocks and features
         (footsel.learning.footnet.FootNet).
     balls: along the leg, for the feature "clearance"; 0 for all that there are (footsel.learning.ball_choice).
+    fit_balls: whether their places and how far they reach are fitted to collisions first (footsel.learning.ball_fit).
     ordinal, reason_weight, collision_weight, scarcity: of the loss (footsel.learning.loss).
     noise, holes: shares of the training maps that come with a depth camera's noise, with hidden cells. shift: standard
         deviation of a training map's height, in [m] (footsel.learning.augmentation).
@@ -71,6 +72,7 @@ class Recipe:
     blocks: tuple[int, ...] = ()
     features: tuple[str, ...] = ()
     balls: int = 0
+    fit_balls: bool = False
     ordinal: float = 0.0
     reason_weight: float = 0.0
     collision_weight: float = 1.0
@@ -88,6 +90,7 @@ class Recipe:
                 raise UnknownNameError(f"{key} of recipe {self.name}", getattr(self, key), known)
         self._check("quantised", isinstance(self.quantised, bool), "true or false")
         self._check("calibrated", isinstance(self.calibrated, bool), "true or false")
+        self._check("fit_balls", isinstance(self.fit_balls, bool), "true or false")
         self._check("epochs", _is_whole(self.epochs) and self.epochs >= 1, "a whole number of 1 or more")
         self._check("batch_size", _is_whole(self.batch_size) and self.batch_size >= 1, "a whole number of 1 or more")
         self._check("learning_rate", _is_number(self.learning_rate) and self.learning_rate > 0, "a number above 0")
@@ -112,7 +115,7 @@ class Recipe:
         if self.architecture == "erfnet":
             for key in ("cells", "widths", "blocks", "features"):
                 self._check(key, not getattr(self, key), "none: ERFNet has its own")
-            self._check("balls", self.balls == 0, "none: ERFNet has its own")
+            self._check("balls", self.balls == 0 and not self.fit_balls, "none: ERFNet has its own")
             self._check("reason_weight", self.reason_weight == 0, "0: ERFNet has one output")
             return
         self._check("balls", _is_whole(self.balls) and self.balls >= 0, "a number, 0 for all")

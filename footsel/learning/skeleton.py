@@ -28,6 +28,8 @@ class LegSkeleton:
     knee_branch, below: signs, as in LegKinematics.
     link: (m,) 0 for a ball on the thigh, 1 on the shank. balls: (m, 3) centre along u, v, w at zero angles, from the
     HFE axis (thigh) or the KFE axis (shank), v from the HAA axis, in [m]. radius: (m,) in [m].
+    rises: (radii, rings) how far the centre of a ball lies above what it touches, the cells of square rings around it,
+    smallest radius first, in [m]; None for those of spheres.
     """
 
     basis: NDArray[np.float64]
@@ -41,6 +43,7 @@ class LegSkeleton:
     link: NDArray[np.int64]
     balls: NDArray[np.float64]
     radius: NDArray[np.float64]
+    rises: NDArray[np.float64] | None = None
 
     @property
     def length(self) -> float:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import math
 import platform
 import sys
@@ -24,6 +25,7 @@ from footsel.files import replace_file, write_json
 from footsel.footholds import LegLayout
 from footsel.learning.augmentation import as_seen
 from footsel.learning.ball_choice import with_best_balls
+from footsel.learning.ball_fit import with_fitted_balls
 from footsel.learning.batches import shuffled_batches
 from footsel.learning.checkpoint import (
     Progress,
@@ -33,7 +35,7 @@ from footsel.learning.checkpoint import (
     save_checkpoint,
     save_model,
 )
-from footsel.learning.files import CHECKPOINT_FILE
+from footsel.learning.files import CHECKPOINT_FILE, SKELETON_FILE
 from footsel.learning.learner import Learner, computes_in_bfloat16
 from footsel.learning.loss import class_shares, class_weights
 from footsel.learning.predictions import predict_all
@@ -145,7 +147,7 @@ def fit(
     batches_per_epoch = -(-len(data.training) // recipe.batch_size)
 
     # Model.
-    skeleton = skeleton_of(start, data.pair) or with_best_balls(data.skeleton, data.training, data.layout, recipe.balls)
+    skeleton = _skeleton(data, recipe, folder, start, ranks)
     learner = Learner(recipe, data.layout, weights, seed, ranks, skeleton)
     progress = load_checkpoint(folder, learner) if resumed else Progress()
     if start is not None and not resumed:
@@ -224,6 +226,19 @@ def fit(
     bar.close()
     ranks.wait()
     return load_network(folder)[1]
+
+
+def _skeleton(data: TrainingData, recipe: Recipe, folder: Path, start: str | Path | None, ranks: Ranks) -> LegSkeleton:
+    """Of the network to be trained: what the folder holds, or what the weights to begin with had, or a new one."""
+    path = folder / SKELETON_FILE
+    if path.is_file():
+        return LegSkeleton.from_dict(json.loads(path.read_text(encoding="utf-8")))
+    skeleton = skeleton_of(start, data.pair) or with_best_balls(data.skeleton, data.training, data.layout, recipe.balls)
+    if recipe.fit_balls and skeleton.rises is None:
+        skeleton = with_fitted_balls(skeleton, data.training, data.layout, silent=not ranks.first)
+    if ranks.first:
+        write_json(path, skeleton.to_dict())
+    return skeleton
 
 
 def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.float32]) -> tuple[dict[str, Any], float]:

@@ -163,7 +163,7 @@ def test_nothing_is_learnt_and_nothing_is_rounded(robot):
     assert not list(layer.parameters()) and not layer.state_dict()
     with torch.autocast("cpu", torch.bfloat16):
         maps = torch.from_numpy(InputEncoding(PLANES, False, 0.85).encode(heights[None]))
-        found = layer(posture.requires_grad_(), tilt, maps[:, :1], 1 - maps[:, 1:2])
+        found = layer(posture, tilt, maps[:, :1], 1 - maps[:, 1:2])
     assert found.dtype == torch.float32 and not found.requires_grad
     np.testing.assert_allclose(found[0].reshape(-1, 40, 40).numpy() * 0.1, exact, rtol=1e-6)
 

@@ -230,3 +230,31 @@ def test_the_threshold_is_chosen_on_bases_that_are_not_tilted_far(data, tmp_path
     recipe = replace(QUICK["footsel"], epochs=1)
     fit(replace(data, validation=replace(data.validation, pose=pose)), tmp_path / "front", recipe)
     np.testing.assert_array_equal(asked, [pose[[0, 2, 3, 5]]])
+
+
+def test_balls_are_fitted_once_and_kept(data, tmp_path, monkeypatch):
+    """The fit is not done again by a training that goes on, nor the recipe's without it; weights keep their balls."""
+    fits, fitted = [], training.with_fitted_balls
+    monkeypatch.setattr(training, "with_fitted_balls", lambda *args, **named: fits.append(1) or fitted(*args, **named))
+    recipe = replace(QUICK["footsel"], epochs=1, fit_balls=True)
+    without = fit(data, tmp_path / "without" / "front", replace(recipe, fit_balls=False))
+    assert not fits and without["skeleton"]["rises"] is None
+
+    def die(*_):
+        raise KilledError
+
+    monkeypatch.setattr(training, "save_checkpoint", die)
+    with pytest.raises(KilledError):
+        fit(data, tmp_path / "with" / "front", recipe)
+    monkeypatch.undo()
+    monkeypatch.setattr(training, "with_fitted_balls", lambda *args, **named: fits.append(1) or fitted(*args, **named))
+    info = fit(data, tmp_path / "with" / "front", recipe, resume=True)
+    assert len(fits) == 1
+    assert info["skeleton"]["balls"] != without["skeleton"]["balls"]
+    assert load_network(tmp_path / "with" / "front")[1]["skeleton"] == info["skeleton"]
+
+    on = fit(data, tmp_path / "on" / "front", recipe, start=tmp_path / "with")
+    assert len(fits) == 1 and on["skeleton"] == info["skeleton"]
+    # Those of weights of before there was a fit are fitted now.
+    late = fit(data, tmp_path / "late" / "front", recipe, start=tmp_path / "without")
+    assert len(fits) == 2 and late["skeleton"] == info["skeleton"]
