@@ -107,7 +107,10 @@ class CollisionTrial(nn.Module):
         labels = torch.from_numpy(reason).flatten(1)
         collides = labels == int(Reason.TERRAIN_COLLISION)
         in_range = collides | (labels == int(Reason.FEASIBLE))
-        return functional.binary_cross_entropy_with_logits(self(maps)[in_range], collides[in_range].to(maps.dtype))
+        found, expected = self(maps)[in_range], collides[in_range].to(maps.dtype)
+        # Of no cell at all it is nothing, and no division by zero.
+        total = functional.binary_cross_entropy_with_logits(found, expected, reduction="sum")
+        return total / max(len(found), 1)
 
     def skeleton(self) -> LegSkeleton:
         """The leg with the balls as they are now."""

@@ -130,3 +130,12 @@ def test_fitted_numbers_travel_as_they_are(robot, skeleton, samples):
     # Of before balls were fitted.
     old = {key: value for key, value in skeleton.to_dict().items() if key != "rises"}
     assert LegSkeleton.from_dict(old).rises is None
+
+
+def test_maps_that_no_leg_can_reach_teach_nothing(robot, skeleton, samples):
+    """Also where an update gets nothing but such maps."""
+    some = samples.take(slice(0, 9))
+    reason = np.where(np.arange(9)[:, None, None] == 4, some.reason, np.uint8(Reason.KINEMATIC_RANGE))
+    fitted = with_fitted_balls(skeleton, replace(some, reason=reason), robot.layout, passes=3)
+    assert np.isfinite(fitted.balls).all() and np.isfinite(fitted.rises).all()
+    assert np.abs(fitted.balls - skeleton.balls).max() > 0
