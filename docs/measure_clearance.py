@@ -24,7 +24,7 @@ from footsel.dataset import Samples, open_dataset
 from footsel.errors import FootselError
 from footsel.files import write_json
 from footsel.footholds import Reason
-from footsel.footholds.encoding import InputEncoding
+from footsel.footholds.encoding import PLANES, InputEncoding
 from footsel.learning.ball_choice import with_best_balls
 from footsel.learning.ball_fit import with_fitted_balls
 from footsel.learning.clearance import BEYOND, FALL, LegClearance
@@ -57,7 +57,6 @@ VARIANTS: Mapping[str, tuple[int, int, float, float, bool]] = {
 #: Shares of the feasible cells that are given away, at which variants are compared.
 LOST = (0.01, 0.03)
 WIDTH, PASSES, BATCH, RATE = 64, 6, 2048, 1e-2
-PLANES = ("height", "unknown", "roll", "pitch")
 
 
 def main() -> int:
@@ -71,7 +70,7 @@ def main() -> int:
     except FootselError as error:
         print(f"measure_clearance.py: error: {error}", file=sys.stderr)
         return 2
-    samples = samples.take(np.linspace(0, len(samples) - 1, min(MAPS, len(samples))).astype(np.intp))
+    samples = samples.spread(MAPS)
     torch.set_num_threads(1)
     rows = {name: measured(samples, *variant) for name, variant in tqdm(VARIANTS.items(), disable=None)}
     write_json(RESULT, {"dataset_sha256": dataset.sha256, "maps": len(samples), "variants": rows})

@@ -51,6 +51,10 @@ class Samples:
         """The samples at `index` (slice, mask or integers)."""
         return Samples(**{field.name: getattr(self, field.name)[index] for field in fields(self)})
 
+    def spread(self, count: int) -> "Samples":
+        """At most `count` of the samples, evenly spread over all."""
+        return self.take(np.linspace(0, len(self) - 1, min(count, len(self))).astype(np.intp))
+
     @classmethod
     def concatenate(cls, parts: Sequence["Samples"]) -> "Samples":
         """All samples of `parts`, in order."""

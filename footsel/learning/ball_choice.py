@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout, Reason
-from footsel.footholds.encoding import InputEncoding
+from footsel.footholds.encoding import PLANES, InputEncoding
 from footsel.learning.clearance import LegClearance
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -39,8 +39,8 @@ def with_best_balls(skeleton: LegSkeleton, samples: Samples, layout: LegLayout, 
 
 def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """(cells, balls) clearances and (cells,) whether the leg collides, of the cells in range on some maps."""
-    some = samples.take(np.linspace(0, len(samples) - 1, min(MAPS, len(samples))).astype(np.intp))
-    encoding = InputEncoding(("height", "unknown", "roll", "pitch"), False, layout.height_range)
+    some = samples.spread(MAPS)
+    encoding = InputEncoding(PLANES, False, layout.height_range)
     maps = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch))
     height, unknown = maps[:, :1], maps[:, 1:2]
     tilt = Tilt(encoding.planes)(maps)

@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from footsel.dataset.samples import Samples
 from footsel.footholds import LegLayout, Reason
-from footsel.footholds.encoding import InputEncoding
+from footsel.footholds.encoding import PLANES, InputEncoding
 from footsel.learning.clearance import LegClearance, ball_sums
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
@@ -30,7 +30,6 @@ MAPS, PASSES, BATCH = 4000, 8, 8
 WIDTH = 64
 #: Highest learning rates: of the network's weights, of places in [m], of rises in units of the largest clearance.
 NET_RATE, PLACE_RATE, RISE_RATE = 1e-2, 1e-3, 1e-2
-PLANES = ("height", "unknown", "roll", "pitch")
 
 
 def with_fitted_balls(
@@ -40,7 +39,7 @@ def with_fitted_balls(
 
     silent: without a progress bar.
     """
-    some = samples.take(np.linspace(0, len(samples) - 1, min(MAPS, len(samples))).astype(np.intp))
+    some = samples.spread(MAPS)
     encode = InputEncoding(PLANES, False, layout.height_range).encode
     with torch.random.fork_rng(devices=[]), torch.enable_grad():
         torch.manual_seed(0)

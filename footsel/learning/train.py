@@ -229,16 +229,20 @@ def fit(
 
 
 def _skeleton(data: TrainingData, recipe: Recipe, folder: Path, start: str | Path | None, ranks: Ranks) -> LegSkeleton:
-    """Of the network to be trained: what the folder holds, or what the weights to begin with had, or a new one."""
+    """Of the network to be trained: what the folder holds, or what the weights to begin with had, or a new one.
+
+    The first process makes it: what is fitted may differ in the last bit from machine to machine.
+    """
     path = folder / SKELETON_FILE
-    if path.is_file():
-        return LegSkeleton.from_dict(json.loads(path.read_text(encoding="utf-8")))
-    skeleton = skeleton_of(start, data.pair) or with_best_balls(data.skeleton, data.training, data.layout, recipe.balls)
-    if recipe.fit_balls and skeleton.rises is None:
-        skeleton = with_fitted_balls(skeleton, data.training, data.layout, silent=not ranks.first)
-    if ranks.first:
-        write_json(path, skeleton.to_dict())
-    return skeleton
+    if ranks.first and not path.is_file():
+        chosen = skeleton_of(start, data.pair) or with_best_balls(
+            data.skeleton, data.training, data.layout, recipe.balls
+        )
+        if recipe.fit_balls and chosen.rises is None:
+            chosen = with_fitted_balls(chosen, data.training, data.layout, silent=False)
+        write_json(path, chosen.to_dict())
+    ranks.wait()
+    return LegSkeleton.from_dict(json.loads(path.read_text(encoding="utf-8")))
 
 
 def _validate(learner: Learner, data: TrainingData, class_weight: NDArray[np.float32]) -> tuple[dict[str, Any], float]:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import torch
 
+from footsel.dataset.config import DatasetConfig
+from footsel.dataset.labelling import make_samples as labelled_samples
 from footsel.dataset.samples import Samples, encode_heights
 from footsel.footholds import LegLayout, Reason
 from footsel.learning.skeleton import LegSkeleton
@@ -56,6 +58,19 @@ def layout():
         height_range=0.85,
         foot_radius=0.031,
     )
+
+
+@pytest.fixture(scope="session")
+def robot():
+    return load_robot("anymal_b")
+
+
+@pytest.fixture(scope="session")
+def obstacles():
+    """Maps of terrain that legs collide with, labelled by the oracle."""
+    families = ("pillars", "stones", "rubble")
+    config = DatasetConfig("anymal_b", ("front",), 60, 3, "footsel", families, maps_per_shard=60)
+    return labelled_samples(config, "front", 0)
 
 
 @pytest.fixture(scope="session")

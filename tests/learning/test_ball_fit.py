@@ -6,26 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from footsel.dataset.config import DatasetConfig
-from footsel.dataset.labelling import make_samples
 from footsel.footholds import Reason
-from footsel.footholds.encoding import InputEncoding
-from footsel.learning.ball_fit import PLANES, CollisionTrial, with_fitted_balls
+from footsel.footholds.encoding import PLANES, InputEncoding
+from footsel.learning.ball_fit import CollisionTrial, with_fitted_balls
 from footsel.learning.clearance import LegClearance
+from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
-from footsel.robot import load_robot
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("anymal_b")
-
-
-@pytest.fixture(scope="module")
-def samples():
-    families = ("pillars", "stones", "rubble")
-    config = DatasetConfig("anymal_b", ("front",), 60, 3, "footsel", families, maps_per_shard=60)
-    return make_samples(config, "front", 0)
+from footsel.learning.tilt import Tilt
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +29,8 @@ def inputs(robot, samples):
 
 def clearances(robot, skeleton, maps):
     """(n, balls, 1600) of the layer that a network has."""
-    trial = CollisionTrial(robot.layout, skeleton)
-    tilt = trial._tilt(maps)
-    posture = trial._posture(maps[:, :1].flatten(2), tilt)
+    tilt = Tilt(PLANES)(maps)
+    posture = Posture(robot.layout, skeleton)(maps[:, :1].flatten(2), tilt)
     return LegClearance(robot.layout, skeleton)(posture, tilt, maps[:, :1], 1 - maps[:, 1:2])
 
 
@@ -57,8 +43,8 @@ def seen_by(trial, maps):
     return caught[0][:, : len(trial.balls)]
 
 
-def test_it_begins_with_the_balls_as_they_are(robot, skeleton, samples):
-    trial, maps = CollisionTrial(robot.layout, skeleton), inputs(robot, samples.take(slice(0, 5)))
+def test_it_begins_with_the_balls_as_they_are(robot, skeleton, obstacles):
+    trial, maps = CollisionTrial(robot.layout, skeleton), inputs(robot, obstacles.take(slice(0, 5)))
     expected = clearances(robot, skeleton, maps)
     torch.testing.assert_close(seen_by(trial, maps), expected, rtol=0, atol=0)
     same = trial.skeleton()
@@ -68,9 +54,9 @@ def test_it_begins_with_the_balls_as_they_are(robot, skeleton, samples):
     torch.testing.assert_close(clearances(robot, same, maps), expected, rtol=0, atol=1e-6)
 
 
-def test_what_is_learnt_is_what_a_network_gets(robot, skeleton, samples):
+def test_what_is_learnt_is_what_a_network_gets(robot, skeleton, obstacles):
     """Balls that moved and rises that grew clear the same in the trial and in the layer made of them."""
-    trial, maps = CollisionTrial(robot.layout, skeleton), inputs(robot, samples.take(slice(0, 5)))
+    trial, maps = CollisionTrial(robot.layout, skeleton), inputs(robot, obstacles.take(slice(0, 5)))
     with torch.no_grad():
         trial.balls += torch.linspace(-0.03, 0.03, trial.balls.numel()).reshape(trial.balls.shape)
         trial.rises[:, :2] += 0.1
@@ -81,15 +67,15 @@ def test_what_is_learnt_is_what_a_network_gets(robot, skeleton, samples):
     assert (found - clearances(robot, skeleton, maps)).abs().mean() > 0.05
 
 
-def test_balls_find_where_the_labels_came_from(robot, skeleton, samples):
+def test_balls_find_where_the_labels_came_from(robot, skeleton, obstacles):
     """Labels of balls that lie 2 cm elsewhere: they go there, at least half of the way."""
     aside = np.random.default_rng(0).normal(size=skeleton.balls.shape)
     target = replace(skeleton, balls=skeleton.balls + 0.02 * aside / np.linalg.norm(aside, axis=1, keepdims=True))
-    collides = (clearances(robot, target, inputs(robot, samples)).amin(dim=1) < 0).reshape(-1, 40, 40).numpy()
-    in_range = np.isin(samples.reason, (Reason.FEASIBLE, Reason.TERRAIN_COLLISION))
+    collides = (clearances(robot, target, inputs(robot, obstacles)).amin(dim=1) < 0).reshape(-1, 40, 40).numpy()
+    in_range = np.isin(obstacles.reason, (Reason.FEASIBLE, Reason.TERRAIN_COLLISION))
     assert 0.05 < collides[in_range].mean() < 0.7
     reason = np.where(collides, Reason.TERRAIN_COLLISION, Reason.FEASIBLE).astype(np.uint8)
-    labelled = replace(samples, reason=np.where(in_range, reason, samples.reason))
+    labelled = replace(obstacles, reason=np.where(in_range, reason, obstacles.reason))
     fitted = with_fitted_balls(skeleton, labelled, robot.layout, passes=40)
     before, after = (np.linalg.norm(each.balls - target.balls, axis=1) for each in (skeleton, fitted))
     # A ball that hardly ever is the lowest learns little.
@@ -97,20 +83,20 @@ def test_balls_find_where_the_labels_came_from(robot, skeleton, samples):
     assert after.mean() < before.mean()
 
 
-def test_the_same_maps_make_the_same_balls_and_no_random_number_is_used_up(robot, skeleton, samples):
+def test_the_same_maps_make_the_same_balls_and_no_random_number_is_used_up(robot, skeleton, obstacles):
     torch.manual_seed(5)
     expected = torch.rand(3)
     torch.manual_seed(5)
-    one = with_fitted_balls(skeleton, samples, robot.layout, passes=1)
+    one = with_fitted_balls(skeleton, obstacles, robot.layout, passes=1)
     np.testing.assert_array_equal(torch.rand(3), expected)
-    other = with_fitted_balls(skeleton, samples, robot.layout, passes=1)
+    other = with_fitted_balls(skeleton, obstacles, robot.layout, passes=1)
     np.testing.assert_array_equal(one.balls, other.balls)
     np.testing.assert_array_equal(one.rises, other.rises)
     assert np.abs(one.balls - skeleton.balls).max() > 1e-4
 
 
-def test_only_cells_in_range_count(robot, skeleton, samples):
-    some = samples.take(slice(0, 4))
+def test_only_cells_in_range_count(robot, skeleton, obstacles):
+    some = obstacles.take(slice(0, 4))
     trial, maps = CollisionTrial(robot.layout, skeleton), inputs(robot, some)
     counted = np.isin(some.reason, (Reason.FEASIBLE, Reason.TERRAIN_COLLISION))
     others = np.where(counted, some.reason, np.uint8(Reason.UNKNOWN))
@@ -122,8 +108,8 @@ def test_only_cells_in_range_count(robot, skeleton, samples):
     assert trial.loss(maps, some.reason).item() == pytest.approx(surprise.mean(), rel=1e-5)
 
 
-def test_fitted_numbers_travel_as_they_are(robot, skeleton, samples):
-    fitted = with_fitted_balls(skeleton, samples, robot.layout, passes=1)
+def test_fitted_numbers_travel_as_they_are(robot, skeleton, obstacles):
+    fitted = with_fitted_balls(skeleton, obstacles, robot.layout, passes=1)
     back = LegSkeleton.from_dict(fitted.to_dict())
     np.testing.assert_array_equal(back.rises, fitted.rises)
     np.testing.assert_array_equal(back.balls, fitted.balls)
@@ -132,9 +118,9 @@ def test_fitted_numbers_travel_as_they_are(robot, skeleton, samples):
     assert LegSkeleton.from_dict(old).rises is None
 
 
-def test_maps_that_no_leg_can_reach_teach_nothing(robot, skeleton, samples):
+def test_maps_that_no_leg_can_reach_teach_nothing(robot, skeleton, obstacles):
     """Also where an update gets nothing but such maps."""
-    some = samples.take(slice(0, 9))
+    some = obstacles.take(slice(0, 9))
     reason = np.where(np.arange(9)[:, None, None] == 4, some.reason, np.uint8(Reason.KINEMATIC_RANGE))
     fitted = with_fitted_balls(skeleton, replace(some, reason=reason), robot.layout, passes=3)
     assert np.isfinite(fitted.balls).all() and np.isfinite(fitted.rises).all()

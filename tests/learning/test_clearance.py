@@ -14,7 +14,6 @@ from footsel.learning.tilt import Tilt
 from footsel.legs import LEGS
 from footsel.oracle import Oracle
 from footsel.oracle.swing_bodies import SwingBodies
-from footsel.robot import load_robot
 from footsel.terrain.courses import make_course
 from footsel.terrain.local_map import cell_offsets
 
@@ -23,11 +22,6 @@ UNIT = LARGEST_CLEARANCE * 0.02
 
 PLANES = ("height", "unknown", "roll", "pitch")
 TILTS = [(0.0, 0.0), (0.2, -0.1), (-0.15, 0.25)]
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("anymal_b")
 
 
 def clearances(robot, leg, heights, roll=0.0, pitch=0.0, skeleton=None):
