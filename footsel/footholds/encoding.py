@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footsel.errors import InputError
-from footsel.terrain.codec import HEIGHT_RANGE, heights_to_image, quantise_image
+from footsel.terrain.codec import HEIGHT_RANGE, heights_to_image, quantise_image, rises_to_image
 
-#: height: the depth image; unknown: 1 where no height is known; roll, pitch: constant planes, 1 at TILT_RANGE.
-PLANES = ("height", "unknown", "roll", "pitch")
+#: height: the depth image; unknown: 1 where no height is known; roll, pitch: constant planes, 1 at TILT_RANGE;
+#: above: by how much the ground rises above L_i, which the depth image cuts off, in the same unit.
+PLANES = ("height", "unknown", "roll", "pitch", "above")
 
 #: Tilt that a constant plane shows as 1. [rad]
 TILT_RANGE = float(np.deg2rad(15.0))
@@ -21,8 +22,8 @@ TILT_RANGE = float(np.deg2rad(15.0))
 class InputEncoding:
     """Which planes a network takes, in this order.
 
-    quantised: the depth image is rounded to 8 bits, as in the paper.
-    height_range: depth below L_i that the image shows as 1, in [m].
+    quantised: heights are rounded to 8 bits, as in the paper.
+    height_range: depth below L_i, or rise above it, that an image shows as 1, in [m].
     """
 
     planes: tuple[str, ...] = ("height",)
@@ -43,8 +44,9 @@ class InputEncoding:
         heights = np.asarray(heights, dtype=np.float32)
         encoded = np.empty((heights.shape[0], len(self.planes), *heights.shape[1:]), dtype=np.float32)
         for plane, values in zip(self.planes, encoded.swapaxes(0, 1), strict=True):
-            if plane == "height":
-                image = heights_to_image(heights, self.height_range, out=values)
+            if plane in ("height", "above"):
+                to_image = heights_to_image if plane == "height" else rises_to_image
+                image = to_image(heights, self.height_range, out=values)
                 if self.quantised:
                     values[...] = quantise_image(image) / np.float32(255)
             elif plane == "unknown":

@@ -18,34 +18,43 @@ from footsel.learning.tilt import Tilt
 MAPS = 200
 
 
-def with_best_balls(skeleton: LegSkeleton, samples: Samples, layout: LegLayout, count: int) -> LegSkeleton:
+def with_best_balls(
+    skeleton: LegSkeleton, samples: Samples, layout: LegLayout, count: int, hip: bool = False
+) -> LegSkeleton:
     """The skeleton with at most `count` balls, 0 for all, chosen one by one: each makes the least clearance err least.
 
     A cell in range errs if the least clearance of the balls says another than the label whether the leg collides there,
     by the threshold that suits best. Every ball costs a look-up per cell; for ANYmal five of thirteen do nearly as well
     as all of them (docs/learning.md).
+    hip: whether the network sees the body around the hip besides.
     """
     if count == 0 or count >= len(skeleton.radius):
         return skeleton
-    clearance, collides = _seen(skeleton, samples, layout)
+    clearance, collides = _seen(skeleton, samples, layout, hip)
+    seen_anyway = list(range(len(skeleton.radius), clearance.shape[1]))
     chosen: list[int] = []
     while len(chosen) < count:
         left = [ball for ball in range(len(skeleton.radius)) if ball not in chosen]
-        errors = [_errors(clearance[:, [*chosen, ball]].min(axis=1), collides) for ball in left]
+        errors = [_errors(clearance[:, [*seen_anyway, *chosen, ball]].min(axis=1), collides) for ball in left]
         chosen.append(left[int(np.argmin(errors))])
     kept = sorted(chosen)
-    return replace(skeleton, link=skeleton.link[kept], balls=skeleton.balls[kept], radius=skeleton.radius[kept])
+    radius, rises = skeleton.radius[kept], skeleton.rises
+    if rises is not None:
+        rises = rises[np.isin(np.unique(skeleton.radius), radius)]
+    return replace(skeleton, link=skeleton.link[kept], balls=skeleton.balls[kept], radius=radius, rises=rises)
 
 
-def _seen(skeleton: LegSkeleton, samples: Samples, layout: LegLayout) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """(cells, balls) clearances and (cells,) whether the leg collides, of the cells in range on some maps."""
+def _seen(
+    skeleton: LegSkeleton, samples: Samples, layout: LegLayout, hip: bool = False
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """(cells, balls and hip) clearances and (cells,) whether the leg collides, of the cells in range on some maps."""
     some = samples.spread(MAPS)
     encoding = InputEncoding(PLANES, False, layout.height_range)
     maps = torch.from_numpy(encoding.encode(some.heights(), some.roll, some.pitch))
-    height, unknown = maps[:, :1], maps[:, 1:2]
+    height, unknown, above = maps[:, :1], maps[:, 1:2], maps[:, -1:]
     tilt = Tilt(encoding.planes)(maps)
     posture = Posture(layout, skeleton)(height.flatten(2), tilt)
-    clearance = LegClearance(layout, skeleton)(posture, tilt, height, 1 - unknown).mT.numpy()
+    clearance = LegClearance(layout, skeleton, hip=hip)(posture, tilt, height, 1 - unknown, above).mT.numpy()
     collides = some.reason == Reason.TERRAIN_COLLISION
     in_range = (collides | (some.reason == Reason.FEASIBLE)).reshape(len(some), -1)
     return clearance[in_range], collides.reshape(len(some), -1)[in_range]

@@ -8,6 +8,8 @@ from torch.nn import functional
 
 from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
+from footsel.learning.hip import HipSweep
+from footsel.learning.look_up import MIDDLE, LookUp
 from footsel.learning.posture import TIMES_I, Posture
 from footsel.learning.precision import own_precision
 from footsel.learning.skeleton import LegSkeleton
@@ -15,10 +17,6 @@ from footsel.terrain import CELLS
 
 #: A clearance counts up to this either way, in cells of the local map: 10 cm for ANYmal.
 LARGEST_CLEARANCE = 5.0
-#: Rows and columns are counted from this one, in the middle of the map, where float32 resolves them best. A look-up
-#: goes from the first to just short of the last, which so is the second of two. [cells]
-ORIGIN = CELLS // 2
-FIRST, LAST = float(-ORIGIN), float(np.nextafter(np.float32(CELLS - 1 - ORIGIN), np.float32(0)))
 #: Of what a ball does not touch, in [m].
 FAR_BELOW = 10.0
 #: Cells beyond a ball that still count, lower by FALL metres per metre: so a wall beside a body shows before it is
@@ -28,23 +26,28 @@ BEYOND, FALL = 1, 5.0
 
 
 class LegClearance(nn.Module):
-    """Clearance of each ball of the leg's skeleton over the terrain below it, in [-1, 1], 1 at LARGEST_CLEARANCE.
+    """Clearance of each ball of the leg's skeleton over the terrain below it, in [-1, 1], 1 at LARGEST_CLEARANCE, and
+    if so asked, of the body around the hip.
 
     The leg's posture puts the balls; each looks up the terrain's surface, grown by its radius and a margin aside. The
     balls fill the bodies roughly, so this is an estimate, which the network weighs. What it computes with is constant;
     `ball_fit` finds other constants by the gradient.
 
-    beyond, fall: of spheres; a skeleton whose balls are fitted has its own rises.
+    beyond, fall: of spheres; a skeleton whose balls are fitted has its own rises. hip: whether there is a last channel,
+    of HipSweep, which is looked up with the balls: an engine pays for operators.
 
     Sums that place the balls are in float64, for beside a wall little decides much. What follows goes number by number,
     which every engine rounds alike, in the input's type.
     """
 
-    def __init__(self, layout: LegLayout, skeleton: LegSkeleton, beyond: int = BEYOND, fall: float = FALL) -> None:
+    def __init__(
+        self, layout: LegLayout, skeleton: LegSkeleton, beyond: int = BEYOND, fall: float = FALL, hip: bool = False
+    ) -> None:
         super().__init__()
-        self._layout = layout
-        self.channels = len(skeleton.radius)
+        self._balls = len(skeleton.radius)
+        self.channels = self._balls + hip
         self.unit = LARGEST_CLEARANCE * layout.resolution
+        self._to_unit = layout.height_range / self.unit
         radii = sorted(set(skeleton.radius.tolist()))
         rises = skeleton.rises
         if rises is None:
@@ -58,20 +61,35 @@ class LegClearance(nn.Module):
         keep_constant(self, "leg_axes", np.column_stack([skeleton.basis.T, to_hfe]), np.float64)
         scale = [[1 / layout.resolution], [1 / layout.resolution], [1 / self.unit]]
         keep_constant(self, "scale", scale, np.float64)
-        middle = (CELLS - 1) / 2 - ORIGIN
-        keep_constant(self, "middle", [[middle], [middle], [0.0]], np.float64)
-        # Ball after ball, where its radius's surface begins.
+        keep_constant(self, "middle", [[MIDDLE], [MIDDLE], [0.0]], np.float64)
+        # Ball after ball, in the surface of its radius.
         surface = np.array([radii.index(radius) for radius in skeleton.radius])
-        keep_constant(self, "index", np.array([[float(CELLS), 1.0]]))
-        keep_constant(self, "first_index", np.repeat(surface * CELLS**2 + ORIGIN * (CELLS + 1), CELLS**2)[None])
+        places = np.repeat(surface, CELLS**2)
+        self.hip = HipSweep(layout, skeleton) if hip else None
+        if self.hip is not None:
+            # In the ground itself, after these.
+            places = np.append(places, np.full(self.hip.places, len(radii)))
+        self._look_up = LookUp(places)
 
-    def forward(self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where it is known ->
-        (n, channels, 1600)."""
+    def forward(
+        self, posture: Tensor, tilt: Tensor, depth: Tensor, known: Tensor, above: Tensor | None = None
+    ) -> Tensor:
+        """(n, 10, 1600) of Posture, (n, 3, 3) of Tilt, (n, 1, 40, 40) depth and 1 where known -> (n, channels, 1600).
+
+        above: (n, 1, 40, 40) by how much the ground rises above the hip point, in the depth's unit, for the hip.
+        """
         with own_precision():
-            centres = self.centres(posture, tilt, depth.dtype)
-            clearance = centres[:, 2:] - self._look_up(self._surfaces(depth, known), centres[:, :2])
-            return clearance.clamp(-1, 1).reshape(-1, self.channels, CELLS**2)
+            places, surfaces = self.centres(posture, tilt, depth.dtype), self._surfaces(depth, known)
+            if self.hip is not None:
+                assert above is not None
+                points = self.hip.points(tilt) * self.get_buffer("scale") + self.get_buffer("middle")
+                places = torch.cat([places, points.to(depth.dtype)], dim=2)
+                surfaces = torch.cat([surfaces, self._ground(depth, known) + above * self._to_unit], dim=1)
+            clearance = torch.clamp(places[:, 2:] - self._look_up(surfaces, places[:, :2]), -1, 1)
+            if self.hip is None:
+                return clearance.reshape(-1, self.channels, CELLS**2)
+            balls, hip = torch.split(clearance, [self._balls * CELLS**2, self.hip.places], dim=2)
+            return torch.cat([balls.reshape(-1, self._balls, CELLS**2), self.hip.blend(hip, posture)], dim=1)
 
     def centres(self, posture: Tensor, tilt: Tensor, dtype: torch.dtype = torch.float64) -> Tensor:
         """(n, 3, channels * 1600) of all balls in the heading frame, ball after ball, summed up in `dtype`.
@@ -81,42 +99,27 @@ class LegClearance(nn.Module):
         frame = (tilt @ self.get_buffer("leg_axes")) * self.get_buffer("scale")
         axes, origin = frame[..., :3], (frame[..., 3:] + self.get_buffer("middle")).to(dtype)
         # The map's axes go into the weights, which are few.
-        place = (axes @ self.get_buffer("place")).reshape(-1, 3 * self.channels, Posture.CHANNELS)
+        place = (axes @ self.get_buffer("place")).reshape(-1, 3 * self._balls, Posture.CHANNELS)
         along_w = self.get_buffer("along_w").expand(axes.shape[0], -1, -1)
         sums = (torch.cat([place, axes @ self.get_buffer("w_axis"), along_w], dim=1) @ posture).to(dtype)
-        place, w_axis, along_w = torch.split(sums, [3 * self.channels, 3, self.channels], dim=1)
+        place, w_axis, along_w = torch.split(sums, [3 * self._balls, 3, self._balls], dim=1)
         turned = along_w.unsqueeze(1) * w_axis.unsqueeze(2)
         return (place.reshape(turned.shape) + turned + origin.unsqueeze(3)).flatten(2)
-
-    def _look_up(self, surfaces: Tensor, at: Tensor) -> Tensor:
-        """(n, 1, channels * 1600) of each ball's surface at (n, 2, channels * 1600) rows and columns.
-
-        Bilinear, and so continuous: rounding decides nothing, and engines that round differently agree.
-        """
-        at = at.clamp(FIRST, LAST)
-        # The cell whose corner is the least of four; surfaces lie one after the other.
-        corner = at.floor()
-        along, across = (at - corner).chunk(2, dim=1)
-        index = (self.get_buffer("index") @ corner + self.get_buffer("first_index")).long()
-        # Values there, and by how much they change over a row, over a column and over both.
-        values = surfaces.reshape(-1, 1, surfaces.shape[1] * CELLS**2)
-        down, right = values[..., CELLS:] - values[..., :-CELLS], values[..., 1:] - values[..., :-1]
-        twist = down[..., 1:] - down[..., :-1]
-        value, down, right, twist = (torch.gather(part, 2, index) for part in (values, down, right, twist))
-        return value + along * down + across * (right + along * twist)
 
     def _surfaces(self, depth: Tensor, known: Tensor) -> Tensor:
         """(n, radii, 40, 40) how high the centre of a ball of each radius is that rests on the terrain.
 
         In units of the largest clearance. Unknown cells are as deep as an image goes: no leg comes near.
         """
-        depth = 1 - (1 - depth) * known
-        ground = depth * (-self._layout.height_range / self.unit)
         # Of each square around a cell, from that of the one before.
-        highest = [ground]
+        highest = [self._ground(depth, known)]
         while len(highest) < self.get_buffer("rises").shape[1]:
             highest.append(functional.max_pool2d(highest[-1], 3, stride=1, padding=1))
         return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
+
+    def _ground(self, depth: Tensor, known: Tensor) -> Tensor:
+        """(n, 1, 40, 40) in units of the largest clearance."""
+        return (1 - (1 - depth) * known) * -self._to_unit
 
 
 def ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

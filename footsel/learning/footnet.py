@@ -3,6 +3,7 @@
     place      where the foot would stand in base axes       range, self-collision, margin    geometry
     posture    how the leg is bent then                      range, margin                    inverse kinematics
     clearance  how high it then passes over the ground       terrain collision                look-ups in the map
+    hip        how close the ground comes to the hip         terrain collision                look-ups in the map
     footing    how level the ground is                       terrain cost                     stencils
     cells      layers on each cell alone: from these to the label
     context    encoder to 20x20 and 10x10 of ERFNet's factorised residual layers, added on the way back
@@ -69,12 +70,11 @@ class FootNet(FootholdNetwork):
         self.tilt = Tilt(planes)
         self.place = Place(layout) if "place" in features else None
         self.posture = Posture(layout, skeleton)
-        self.clearance = LegClearance(layout, skeleton) if "clearance" in features else None
+        # The hip is the last of its channels.
+        self.clearance = LegClearance(layout, skeleton, hip="hip" in features) if "clearance" in features else None
         self.footing = Footing(layout) if "footing" in features else None
-        channels = {"place": Place.CHANNELS, "posture": Posture.CHANNELS, "footing": Footing.CHANNELS}
-        channels["clearance"] = len(skeleton.radius)
 
-        self.first = nn.Conv2d(2 + sum(channels[name] for name in features), cells[0], 1)
+        self.first = nn.Conv2d(len(input_names(features, skeleton)), cells[0], 1)
         self.cells = nn.Sequential(nn.ReLU(inplace=True), *(_mixed(*pair) for pair in pairwise(cells)))
         sides = [cells[-1], *widths]
         self.down = nn.ModuleList(Downsampler(*pair) for pair in pairwise(sides))
@@ -116,7 +116,7 @@ class FootNet(FootholdNetwork):
         """(n, cells[0], 40, 40) sums of all that a cell knows, in the input's float32: it tells millimetres apart."""
         with own_precision():
             seen = self.geometry(maps)
-            planes = torch.cat([seen[name].to(maps.dtype) for name in ("depth", "known", *self.features)], dim=1)
+            planes = torch.cat([seen[name].to(maps.dtype) for name in _in_order(self.features)], dim=1)
             sums: Tensor = self.first(planes.reshape(-1, planes.shape[1], CELLS, CELLS))
             return sums
 
@@ -133,7 +133,8 @@ class FootNet(FootholdNetwork):
             seen["place"] = self.place(seen["depth"], tilt)
         seen["posture"] = self.posture(seen["depth"], tilt)
         if self.clearance is not None:
-            seen["clearance"] = self.clearance(seen["posture"], tilt, depth, known)
+            above = self._plane(maps, "above")
+            seen["clearance"] = self.clearance(seen["posture"], tilt, depth, known, above)
         if self.footing is not None:
             seen["footing"] = self.footing(depth, known)
         return seen
@@ -144,6 +145,27 @@ class FootNet(FootholdNetwork):
             return torch.zeros_like(maps[:, :1])
         index = self._planes.index(name)
         return maps[:, index : index + 1]
+
+
+def input_names(features: Sequence[str], skeleton: LegSkeleton) -> list[str]:
+    """What the first layer weighs of each cell, number by number: weights can be told from one another by it."""
+    balls = [
+        f"ball {link} {point}" for link, point in zip(skeleton.link, skeleton.balls.round(6).tolist(), strict=True)
+    ]
+    numbers = {
+        "depth": ["depth"],
+        "known": ["known"],
+        "place": [f"place {number}" for number in range(Place.CHANNELS)],
+        "posture": [f"posture {number}" for number in range(Posture.CHANNELS)],
+        "clearance": [*balls, *(["hip"] if "hip" in features else [])],
+        "footing": [f"footing {number}" for number in range(Footing.CHANNELS)],
+    }
+    return [number for name in _in_order(features) for number in numbers[name]]
+
+
+def _in_order(features: Sequence[str]) -> list[str]:
+    """What is seen of a cell; the hip comes with the clearance."""
+    return ["depth", "known", *(name for name in features if name != "hip")]
 
 
 def _mixed(inputs: int, outputs: int) -> nn.Sequential:

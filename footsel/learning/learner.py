@@ -39,7 +39,7 @@ class Learner:
     ) -> None:
         torch.manual_seed(seed)
         self.encode = BatchEncoder(recipe.encoding(layout.height_range))
-        self.recipe, self._layout, self._skeleton = recipe, layout, skeleton
+        self.recipe, self._layout, self.skeleton = recipe, layout, skeleton
         self.net = build_network(recipe, layout, skeleton)
         if ranks.count > 1:
             share_layers(self.net, ranks)
@@ -70,7 +70,7 @@ class Learner:
         """A network with the weights to use, ready for inference."""
         # One process asks for it; the random states of all stay equal.
         with torch.random.fork_rng(devices=[]):
-            net = build_network(self.recipe, self._layout, self._skeleton)
+            net = build_network(self.recipe, self._layout, self.skeleton)
         net.load_state_dict(self.weights())
         return channels_last(net).eval()
 

@@ -1,4 +1,4 @@
-"""A narrower network from a trained one: channels that the next layer hears least go, the rest keeps its weights."""
+"""Another shape for a trained network: fewer channels, those that the next layer hears most, or other inputs."""
 
 from collections.abc import Mapping, Sequence
 
@@ -31,6 +31,13 @@ def narrowed(weights: Mapping[str, Tensor], cells: Sequence[int]) -> dict[str, T
             elif tensor.ndim and name.startswith(f"{_FIRST}." if layer == 0 else f"cells.{layer}."):
                 found[name] = torch.index_select(tensor, 0, kept)
     return found
+
+
+def with_inputs(weights: Mapping[str, Tensor], names: Sequence[str], wanted: Sequence[str]) -> dict[str, Tensor]:
+    """Weights of FootNet that sees the numbers `wanted` of each cell instead of `names`, blind to the new ones."""
+    first = weights[f"{_FIRST}.weight"]
+    columns = [first[:, names.index(name)] if name in names else torch.zeros_like(first[:, 0]) for name in wanted]
+    return {**weights, f"{_FIRST}.weight": torch.stack(columns, dim=1)}
 
 
 def _heads(weights: Mapping[str, Tensor]) -> list[str]:

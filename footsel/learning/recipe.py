@@ -19,7 +19,7 @@ else:
 
 #: footsel.learning.erfnet, footsel.learning.footnet. What the latter sees beside the input planes.
 ARCHITECTURES = ("erfnet", "footnet")
-FEATURES = ("place", "posture", "clearance", "footing")
+FEATURES = ("place", "posture", "clearance", "footing", "hip")
 
 #: Recipes that ship with footsel, as `recipes/NAME.toml`; their comments say where each value comes from.
 RECIPES = ("paper", "footsel")
@@ -129,6 +129,8 @@ class Recipe:
         for feature in self.features:
             if feature not in FEATURES:
                 raise UnknownNameError(f"feature of recipe {self.name}", feature, FEATURES)
+        together = "hip" not in self.features or "clearance" in self.features
+        self._check("features", together, '"clearance" too, with which "hip" is looked up')
 
     def _check(self, key: str, good: bool, expected: str) -> None:
         if not good:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from footsel.learning.silhouette import surface_points
+from footsel.oracle.convex import CENTRE, ROW
 from footsel.oracle.swing_bodies import SwingBodies
 from footsel.robot import Robot
 from footsel.robot.medial_axis import medial_axis
@@ -16,6 +18,8 @@ SPACING = 3.5
 #: Balls are so many times as thick as the body, to make up for rims and corners. By trial on 200 local maps: of the
 #: cells in range, the least clearance then tells 98.0 % as the oracle does; with balls as thick as the body 97.0 %.
 THICKENED = 1.1
+#: A body belongs to the hip if all of it is closer to the HFE axis than so many lengths of the thigh.
+HIP = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +32,8 @@ class LegSkeleton:
     knee_branch, below: signs, as in LegKinematics.
     link: (m,) 0 for a ball on the thigh, 1 on the shank. balls: (m, 3) centre along u, v, w at zero angles, from the
     HFE axis (thigh) or the KFE axis (shank), v from the HAA axis, in [m]. radius: (m,) in [m].
+    hip: (b, 16) bodies of the thigh that keep close to the HFE axis, rows as in footsel.oracle.convex, placed like the
+        balls on it; None of a skeleton from before there were any.
     rises: (radii, rings) how far the centre of a ball lies above what it touches, the cells of square rings around it,
     smallest radius first, in [m]; None for those of spheres.
     """
@@ -43,6 +49,7 @@ class LegSkeleton:
     link: NDArray[np.int64]
     balls: NDArray[np.float64]
     radius: NDArray[np.float64]
+    hip: NDArray[np.float64] | None = None
     rises: NDArray[np.float64] | None = None
 
     @property
@@ -58,7 +65,11 @@ class LegSkeleton:
         to_hfe = kinematics.basis @ (kinematics.hfe - kinematics.haa)
         to_kfe = kinematics.basis @ (kinematics.kfe - kinematics.hfe)
         aside = np.array([to_hfe[1], to_hfe[1] + to_kfe[1]])  # Of the two joints' points along v.
-        links, balls, radii = [], [], []
+        links, balls, radii, hip = [], [], [], []
+        for row in bodies.rows[bodies.link == 0]:
+            around = surface_points(row)
+            if np.hypot(around[:, 0], around[:, 2]).max() < HIP * np.linalg.norm(kinematics.thigh):
+                hip.append(row + np.eye(ROW)[CENTRE + 1] * aside[0])
         for body, link, rotation, centre in zip(
             bodies.bodies, bodies.link, bodies.rotation, bodies.centre, strict=True
         ):
@@ -82,6 +93,7 @@ class LegSkeleton:
             link=np.array(links),
             balls=np.array(balls),
             radius=np.array(radii),
+            hip=np.reshape(hip, (-1, ROW)),
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -235,9 +235,11 @@ def _skeleton(data: TrainingData, recipe: Recipe, folder: Path, start: str | Pat
     """
     path = folder / SKELETON_FILE
     if ranks.first and not path.is_file():
-        chosen = skeleton_of(start, data.pair) or with_best_balls(
-            data.skeleton, data.training, data.layout, recipe.balls
-        )
+        chosen = skeleton_of(start, data.pair) or data.skeleton
+        if chosen.hip is None:
+            chosen = replace(chosen, hip=data.skeleton.hip)
+        hip = "hip" in recipe.features
+        chosen = with_best_balls(chosen, data.training, data.layout, recipe.balls, hip)
         if recipe.fit_balls and chosen.rises is None:
             chosen = with_fitted_balls(chosen, data.training, data.layout, silent=False)
         write_json(path, chosen.to_dict())

@@ -9,14 +9,16 @@ from typing import Any
 from footsel.errors import ModelError
 from footsel.learning.checkpoint import read_model
 from footsel.learning.files import MODEL_FILE, weights_file
+from footsel.learning.footnet import input_names
 from footsel.learning.learner import Learner
-from footsel.learning.pruning import narrowed
+from footsel.learning.pruning import narrowed, with_inputs
 from footsel.learning.recipe import Recipe
 from footsel.learning.skeleton import LegSkeleton
 from footsel.runtime.model_folder import checksum, find_model_folder
 
-#: What must be the same in both recipes for weights to fit. Fewer channels in `cells` will do.
-_SHAPE = ("architecture", "planes", "widths", "blocks", "features", "balls")
+#: What must be the same in both recipes for weights to fit. FootNet may have other planes, which only its fixed layers
+#: see, fewer channels in `cells`, fewer balls and more features.
+_SHAPE = ("architecture", "widths", "blocks")
 
 
 def find_weights(start: str | Path, pair: str) -> Path:
@@ -63,13 +65,21 @@ def start_from(learner: Learner, start: str | Path, pair: str) -> None:
 
     The class weights' tilt comes back, as the recipe at hand has it. Only what no class depends on may be missing. A
     recipe with fewer channels in `cells`, and no context, begins with the weights that matter most
-    (footsel.learning.pruning).
+    (footsel.learning.pruning); one with more features begins blind to them.
     Raises ModelError if the weights are of another architecture or input.
     """
     path = find_weights(start, pair)
     weights, info = read_model(path)
     theirs, ours = Recipe.from_dict(info["recipe"]), learner.recipe
-    shape = _SHAPE if _is_narrower(ours, theirs) else (*_SHAPE, "cells")
+    shape = list(_SHAPE)
+    if ours.architecture == "erfnet":
+        shape.append("planes")
+    if not _is_narrower(ours, theirs):
+        shape.append("cells")
+    if not set(theirs.features) <= set(ours.features):
+        shape.append("features")
+    if not (ours.balls == theirs.balls or 0 < ours.balls < theirs.balls):
+        shape.append("balls")
     for key in shape:
         if getattr(theirs, key) != getattr(ours, key):
             raise ModelError(
@@ -78,6 +88,10 @@ def start_from(learner: Learner, start: str | Path, pair: str) -> None:
             )
     if theirs.cells != ours.cells:
         weights = narrowed(weights, ours.cells)
+    if ours.architecture == "footnet":
+        assert learner.skeleton is not None
+        names = input_names(theirs.features, LegSkeleton.from_dict(info["skeleton"]))
+        weights = with_inputs(weights, names, input_names(ours.features, learner.skeleton))
     try:
         learner.adopt(weights)
     except RuntimeError:

@@ -37,7 +37,7 @@ def uneven_network(seed: int, layout: LegLayout, recipe: str = "footsel") -> Foo
     nn.init.normal_(network.get_parameter(network.class_bias.replace("bias", "weight")), 0, 0.4)
     network.eval()
     maps = trial_maps(layout, "LF", 20, seed=seed)
-    encoding = Recipe.load(recipe).encoding(layout.height_range)
+    encoding = used_recipe(recipe).encoding(layout.height_range)
     with torch.no_grad():
         logits = network(torch.from_numpy(encoding.encode(maps.heights, maps.roll, maps.pitch)))
         # Every class is the likeliest somewhere.
@@ -46,9 +46,13 @@ def uneven_network(seed: int, layout: LegLayout, recipe: str = "footsel") -> Foo
 
 
 def used_recipe(name: str) -> Recipe:
-    """With a second output, where there can be one."""
+    """With a second output, and all that a network may see, where there can be."""
     recipe = Recipe.load(name)
-    return replace(recipe, reason_weight=0.3) if recipe.architecture == "footnet" else recipe
+    if recipe.architecture != "footnet":
+        return recipe
+    planes = dict.fromkeys((*recipe.planes, "above"))
+    features = dict.fromkeys((*recipe.features, "hip"))
+    return replace(recipe, reason_weight=0.3, planes=tuple(planes), features=tuple(features))
 
 
 def write_run(

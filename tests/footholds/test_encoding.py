@@ -35,6 +35,17 @@ def test_the_depth_image_cell_by_cell(heights):
         assert encoded[n, 0, i, j] == pytest.approx(expected, abs=1e-6)
 
 
+def test_what_rises_above_the_hip_is_no_part_of_the_depth_image(heights):
+    depth, above = InputEncoding(("height", "above"), quantised=False, height_range=0.85).encode(heights).swapaxes(0, 1)
+    known = ~np.isnan(heights)
+    assert (heights[known] > 0).any()
+    np.testing.assert_allclose((above - depth)[known] * 0.85, np.maximum(heights[known], -0.85), atol=1e-6)
+    assert not (depth * above).any()
+    assert (above[~known] == 0).all()
+    tower = InputEncoding(("above",), quantised=False, height_range=0.85).encode(np.full((1, 40, 40), 9.0))
+    assert (tower == 1).all()
+
+
 def test_the_paper_s_image_has_256_steps(heights):
     smooth, stepped = (InputEncoding(("height",), quantised=q).encode(heights) for q in (False, True))
     np.testing.assert_allclose(stepped * 255, np.rint(stepped * 255), atol=1e-4)
@@ -61,5 +72,5 @@ def test_an_encoding_survives_json():
 
 @pytest.mark.parametrize("planes", [(), ("colour",), ("height", "yaw")])
 def test_unknown_planes_are_refused(planes):
-    with pytest.raises(InputError, match="choose from: height, unknown, roll, pitch"):
+    with pytest.raises(InputError, match="choose from: height, unknown, roll, pitch, above"):
         InputEncoding(planes)

@@ -37,6 +37,27 @@ def test_the_order_of_the_balls_decides_nothing(robot, obstacles):
     np.testing.assert_array_equal(one.balls, other.balls[::-1])
 
 
+def test_what_is_seen_anyway_needs_no_ball(robot, obstacles):
+    """The ball at the hip is among the five that tell most, but not for a network that sees the hip itself."""
+    skeleton = LegSkeleton.of(robot, "LF")
+
+    def at_hip(count, hip):
+        chosen = with_best_balls(skeleton, obstacles, robot.layout, count, hip)
+        return ((chosen.link == 0) & (np.hypot(*chosen.balls[:, [0, 2]].T) < 0.01)).any()
+
+    assert at_hip(5, hip=False)
+    assert not at_hip(4, hip=True)
+
+
+def test_fitted_rises_go_with_the_balls_that_are_left(robot, obstacles):
+    skeleton = LegSkeleton.of(robot, "LF")
+    radii = np.unique(skeleton.radius)
+    fitted = replace(skeleton, rises=np.tile(radii[:, None], 3))
+    fewer = with_best_balls(fitted, obstacles, robot.layout, 2)
+    assert fewer.rises is not None
+    np.testing.assert_array_equal(fewer.rises[:, 0], np.unique(fewer.radius))
+
+
 @pytest.mark.parametrize("count", [0, 99])
 def test_all_are_kept_if_there_is_no_limit_or_a_high_one(robot, obstacles, count):
     skeleton = LegSkeleton.of(robot, "LF")

@@ -7,7 +7,8 @@ import torch
 from footsel.footholds import Reason
 from footsel.footholds.encoding import InputEncoding
 from footsel.footholds.pose import BasePose, tilt_rotation
-from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, ORIGIN, LegClearance
+from footsel.learning.clearance import BEYOND, FALL, LARGEST_CLEARANCE, LegClearance
+from footsel.learning.look_up import ORIGIN
 from footsel.learning.posture import Posture
 from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.tilt import Tilt

@@ -9,8 +9,10 @@ import torch
 from footsel.errors import ModelError
 from footsel.learning.ball_choice import with_best_balls
 from footsel.learning.checkpoint import load_network, released_weights
+from footsel.learning.footnet import input_names
 from footsel.learning.learner import Learner
 from footsel.learning.recipe import Recipe
+from footsel.learning.skeleton import LegSkeleton
 from footsel.learning.train import fit
 from footsel.learning.warm_start import find_weights, lineage, start_from
 from footsel.runtime.model_folder import SUMS_FILE
@@ -124,12 +126,57 @@ def test_a_second_sitting_keeps_the_balls_of_the_first(data, tmp_path):
     assert fit(other, tmp_path / "third" / "front", RECIPES["footsel"])["skeleton"] != first["skeleton"]
 
 
+def test_a_ball_that_is_left_out_takes_its_weights_with_it(data, layout, tmp_path, samples):
+    """The others keep theirs: a network that gives the ball no weight stays what it was."""
+    recipe = replace(RECIPES["footsel"], balls=3)
+    fit(data, tmp_path / "front", recipe)
+    whole = LegSkeleton.from_dict(load_network(tmp_path / "front")[1]["skeleton"])
+    kept = [0, 2]
+    fewer = replace(whole, link=whole.link[kept], balls=whole.balls[kept], radius=whole.radius[kept])
+    old, new = (
+        Learner(replace(recipe, balls=len(skeleton.radius)), layout, WEIGHTS, seed=3, skeleton=skeleton)
+        for skeleton in (whole, fewer)
+    )
+    start_from(old, tmp_path, "front")
+    start_from(new, tmp_path, "front")
+    dropped = input_names(recipe.features, whole).index(
+        (set(input_names(recipe.features, whole)) - set(input_names(recipe.features, fewer))).pop()
+    )
+    with torch.no_grad():
+        for weights in (old.net.get_parameter("first.weight"), old.average["first.weight"]):
+            weights[:, dropped] = 0
+    found, expected = (logits(each.usable_network(), each.encode(samples)) for each in (new, old))
+    torch.testing.assert_close(found, expected, rtol=1e-5, atol=1e-5)
+
+
+def test_more_features_and_planes_change_nothing_at_first(data, layout, few_balls, tmp_path, samples):
+    before = RECIPES["footsel"]
+    after = replace(
+        before,
+        planes=("height", "above", "unknown", "roll", "pitch"),
+        features=("posture", "clearance", "hip", "footing"),
+    )
+    assert set(before.features) < set(after.features) and set(before.planes) < set(after.planes)
+    fit(replace(data, skeleton=few_balls), tmp_path / "front", before)
+    learners = [Learner(recipe, layout, WEIGHTS, seed=3, skeleton=few_balls) for recipe in (before, after)]
+    for learner in learners:
+        start_from(learner, tmp_path, "front")
+    old, new = (logits(learner.usable_network(), learner.encode(samples)) for learner in learners)
+    torch.testing.assert_close(new, old, rtol=1e-5, atol=1e-5)
+
+
 @pytest.mark.parametrize(
-    ("key", "value"), [("planes", ("height", "unknown")), ("cells", (16, 8)), ("features", ("footing",))]
+    ("name", "key", "value"),
+    [
+        ("paper", "planes", ("height", "unknown")),
+        ("footsel", "cells", (16, 8)),
+        ("footsel", "features", ("footing",)),
+        ("footsel", "balls", 9),
+    ],
 )
-def test_another_network_is_refused(data, layout, few_balls, tmp_path, key, value):
-    fit(data, tmp_path / "front", RECIPES["footsel"])
-    learner = Learner(replace(RECIPES["footsel"], **{key: value}), layout, WEIGHTS, seed=0, skeleton=few_balls)
+def test_another_network_is_refused(data, layout, few_balls, tmp_path, name, key, value):
+    fit(data, tmp_path / "front", RECIPES[name])
+    learner = Learner(replace(RECIPES[name], **{key: value}), layout, WEIGHTS, seed=0, skeleton=few_balls)
     with pytest.raises(ModelError, match=f"has {key} .* the recipe"):
         start_from(learner, tmp_path, "front")
 

@@ -3,12 +3,15 @@
 from collections import Counter
 
 import numpy as np
+import onnx
 import pytest
 
 from footsel import ElevationMap
 from footsel.footholds import BasePose
 from footsel.legs import LEGS
 from footsel.runtime import FootholdSelector
+from footsel.runtime.contract import METADATA_KEY
+from footsel.runtime.model_folder import SUMS_FILE, sums_text
 from footsel.terrain.courses import FAMILIES, make_course
 
 CASES = 1000
@@ -115,12 +118,9 @@ def assert_same(found, expected):
         assert one["final_cost"] == pytest.approx(other["final_cost"], abs=1e-3)
 
 
-def test_the_same_footholds_on_a_thousand_cases(cpp, released, cases):
-    selector = FootholdSelector.load(released)
-    answers = cpp.select(released, cases)
-    assert len(answers) == CASES
-    outcomes = Counter()
-    kept = 0
+def assert_all_same(answers, selector, cases):
+    """Footholds as Python chooses them, and what it says in all: leg by leg, (case, expected)."""
+    said = []
     for number, (case, answer) in enumerate(zip(cases, answers, strict=True)):
         expected = by_python(selector, case)
         assert answer["footholds"].keys() == expected.keys(), number
@@ -129,8 +129,19 @@ def test_the_same_footholds_on_a_thousand_cases(cpp, released, cases):
                 assert_same(answer["footholds"][leg], foothold)
             except AssertionError as error:
                 raise AssertionError(f"case {number}, {leg}: {error}") from None
-            kept += foothold["position"] is not None and case.previous.get(leg) == tuple(foothold["position"][:2])
-            outcomes[" ".join(word for word in (foothold["reason"] or "ok").split() if not word.isdigit())] += 1
+            said.append((case.previous.get(leg), foothold))
+    return said
+
+
+def test_the_same_footholds_on_a_thousand_cases(cpp, released, cases):
+    selector = FootholdSelector.load(released)
+    answers = cpp.select(released, cases)
+    assert len(answers) == CASES
+    outcomes = Counter()
+    kept = 0
+    for previous, foothold in assert_all_same(answers, selector, cases):
+        kept += foothold["position"] is not None and previous == tuple(foothold["position"][:2])
+        outcomes[" ".join(word for word in (foothold["reason"] or "ok").split() if not word.isdigit())] += 1
     # The cases are worth something only if they meet every answer.
     assert outcomes["ok"] > CASES
     assert outcomes["no cell of the local map is known"] >= 10
@@ -179,3 +190,19 @@ def test_the_same_cells(cpp, released, leg, maps):
     np.testing.assert_allclose(cost, expected.cost, atol=1e-3)
     np.testing.assert_allclose(confidence, expected.confidence, atol=1e-5)
     assert 0.01 < feasible.mean() < 0.9
+
+
+def test_the_same_with_what_rises_above_the_hip(cpp, model_folder, cases):
+    """A network that gets this in place of the roll: nonsense, but the same nonsense in both languages."""
+    for pair in ("front", "hind"):
+        path = model_folder / f"{pair}.onnx"
+        model = onnx.load(path)
+        (entry,) = (entry for entry in model.metadata_props if entry.key == METADATA_KEY)
+        assert entry.value.count('"roll"') == 1
+        entry.value = entry.value.replace('"roll"', '"above"')
+        path.write_bytes(model.SerializeToString())
+    files = [path for path in model_folder.iterdir() if path.name != SUMS_FILE]
+    (model_folder / SUMS_FILE).write_text(sums_text({path.name: path.read_bytes() for path in files}))
+    some = cases[::10]
+    said = assert_all_same(cpp.select(model_folder, some), FootholdSelector.load(model_folder), some)
+    assert sum(foothold["status"] == "ok" for _, foothold in said) > 50

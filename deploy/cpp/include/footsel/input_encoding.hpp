@@ -18,6 +18,7 @@ enum class Plane {
     unknown,  ///< 1 where no height is known
     roll,     ///< constant, 1 at TILT_RANGE
     pitch,    ///< constant, 1 at TILT_RANGE
+    above,    ///< rise above L_i as a share of the range, 0 where unknown
 };
 
 inline std::optional<Plane> plane_of(std::string_view text) noexcept {
@@ -25,6 +26,7 @@ inline std::optional<Plane> plane_of(std::string_view text) noexcept {
     if (text == "unknown") return Plane::unknown;
     if (text == "roll") return Plane::roll;
     if (text == "pitch") return Plane::pitch;
+    if (text == "above") return Plane::above;
     return std::nullopt;
 }
 
@@ -34,8 +36,8 @@ inline constexpr double TILT_RANGE = 15.0 * 3.14159265358979323846 / 180.0;
 /// Which planes a network takes, in this order.
 struct InputEncoding {
     std::vector<Plane> planes;
-    bool quantised = false;   ///< the depth image is rounded to 8 bits, as in the paper
-    double height_range = 0;  ///< depth below L_i that the image shows as 1, in [m]
+    bool quantised = false;   ///< heights are rounded to 8 bits, as in the paper
+    double height_range = 0;  ///< depth below L_i, or rise above it, that an image shows as 1, in [m]
 
     /// Write one map's planes to `input` (planes, 40, 40).
     ///
@@ -44,7 +46,8 @@ struct InputEncoding {
     void encode(const float* heights, double roll, double pitch, bool mirrored, float* input) const noexcept {
         for (Plane plane : planes) {
             switch (plane) {
-                case Plane::height: encode_depth(heights, mirrored, input); break;
+                case Plane::height: encode_share(heights, -1.0F, 1.0F, mirrored, input); break;
+                case Plane::above: encode_share(heights, 1.0F, 0.0F, mirrored, input); break;
                 case Plane::unknown: encode_unknown(heights, mirrored, input); break;
                 case Plane::roll: std::fill_n(input, MAP_CELLS, tilt(mirrored ? -roll : roll)); break;
                 case Plane::pitch: std::fill_n(input, MAP_CELLS, tilt(pitch)); break;
@@ -60,11 +63,12 @@ struct InputEncoding {
 private:
     static float tilt(double angle) noexcept { return static_cast<float>(angle) / static_cast<float>(TILT_RANGE); }
 
-    void encode_depth(const float* heights, bool mirrored, float* input) const noexcept {
+    /// Heights times `sign` as a share of the range, `unknown` where there is none.
+    void encode_share(const float* heights, float sign, float unknown, bool mirrored, float* input) const noexcept {
         const float range = static_cast<float>(height_range);
         for (std::size_t cell = 0; cell < MAP_CELLS; ++cell) {
-            const float depth = -heights[mirrored ? mirror_of(cell) : cell] / range;
-            const float image = std::isnan(depth) ? 1.0F : std::clamp(depth, 0.0F, 1.0F);
+            const float share = sign * heights[mirrored ? mirror_of(cell) : cell] / range;
+            const float image = std::isnan(share) ? unknown : std::clamp(share, 0.0F, 1.0F);
             input[cell] = quantised ? std::nearbyint(image * 255.0F) / 255.0F : image;
         }
     }
