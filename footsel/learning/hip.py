@@ -1,7 +1,7 @@
 """The body around the hip, which most often decides whether any foothold is left.
 
 Around the HFE axis a leg is thick and short, and it hardly moves there: if a wall touches it, no foothold of the map is
-free. A ball in its place errs far more often (docs/measure_clearance.py).
+free. So what is told wrongly of it is wrong for a whole map.
 """
 
 import numpy as np
