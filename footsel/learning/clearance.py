@@ -79,12 +79,14 @@ class LegClearance(nn.Module):
         above: (n, 1, 40, 40) by how much the ground rises above the hip point, in the depth's unit, for the hip.
         """
         with own_precision():
-            places, surfaces = self.centres(posture, tilt, depth.dtype), self._surfaces(depth, known)
+            # Unknown cells are as deep as an image goes: no leg comes near.
+            ground = (1 - (1 - depth) * known) * -self._to_unit
+            places, surfaces = self.centres(posture, tilt, depth.dtype), self._surfaces(ground)
             if self.hip is not None:
                 assert above is not None
-                points = self.hip.points(tilt) * self.get_buffer("scale") + self.get_buffer("middle")
+                points = self.hip.points(tilt * self.get_buffer("scale")) + self.get_buffer("middle")
                 places = torch.cat([places, points.to(depth.dtype)], dim=2)
-                surfaces = torch.cat([surfaces, self._ground(depth, known) + above * self._to_unit], dim=1)
+                surfaces = torch.cat([surfaces, ground + above * self._to_unit], dim=1)
             clearance = torch.clamp(places[:, 2:] - self._look_up(surfaces, places[:, :2]), -1, 1)
             if self.hip is None:
                 return clearance.reshape(-1, self.channels, CELLS**2)
@@ -106,20 +108,16 @@ class LegClearance(nn.Module):
         turned = along_w.unsqueeze(1) * w_axis.unsqueeze(2)
         return (place.reshape(turned.shape) + turned + origin.unsqueeze(3)).flatten(2)
 
-    def _surfaces(self, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, radii, 40, 40) how high the centre of a ball of each radius is that rests on the terrain.
+    def _surfaces(self, ground: Tensor) -> Tensor:
+        """(n, 1, 40, 40) ground -> (n, radii, 40, 40) how high the centre of a ball of each radius is that rests on it.
 
-        In units of the largest clearance. Unknown cells are as deep as an image goes: no leg comes near.
+        In units of the largest clearance.
         """
         # Of each square around a cell, from that of the one before.
-        highest = [self._ground(depth, known)]
+        highest = [ground]
         while len(highest) < self.get_buffer("rises").shape[1]:
             highest.append(functional.max_pool2d(highest[-1], 3, stride=1, padding=1))
         return (torch.cat(highest, dim=1).unsqueeze(1) + self.get_buffer("rises")).amax(dim=2)
-
-    def _ground(self, depth: Tensor, known: Tensor) -> Tensor:
-        """(n, 1, 40, 40) in units of the largest clearance."""
-        return (1 - (1 - depth) * known) * -self._to_unit
 
 
 def ball_sums(leg: LegSkeleton) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""The body around the hip, which most often decides whether any foothold is left.
+"""The body around the hip, which may decide whether any foothold is left.
 
 Around the HFE axis a leg is thick and short, and it hardly moves there: if a wall touches it, no foothold of the map is
 free. So what is told wrongly of it is wrong for a whole map.
@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from footsel.footholds import LegLayout
 from footsel.learning.constants import keep_constant
-from footsel.learning.posture import TIMES_I, Posture
+from footsel.learning.posture import Posture
 from footsel.learning.silhouette import seen_from_above, surface_points, underside
 from footsel.learning.skeleton import LegSkeleton
 from footsel.terrain import CELLS
@@ -32,8 +32,7 @@ class HipSweep(nn.Module):
 
     def __init__(self, layout: LegLayout, skeleton: LegSkeleton) -> None:
         super().__init__()
-        turns = _turns(skeleton)
-        (first, last), pitch = _usual(layout, skeleton, turns)
+        (first, last), pitch = _usual(layout, skeleton)
         nodes = np.linspace(first, last, NODES)
         points = [_points(skeleton, tangent, pitch) for tangent in nodes]
         # As many for every posture: some twice.
@@ -41,20 +40,21 @@ class HipSweep(nn.Module):
         points = [np.resize(some, (self._count, 3)) for some in points]
         self.places = NODES * self._count
         keep_constant(self, "surface", np.concatenate(points).T, np.float64)
-        keep_constant(self, "turns", turns[::2], np.float64)
         keep_constant(self, "first", [[first]], np.float64)
         keep_constant(self, "nodes_per_unit", [[1 / (nodes[1] - nodes[0])]], np.float64)
         self._last = float(np.nextafter(np.float32(NODES - 1), np.float32(0)))
 
-    def points(self, tilt: Tensor) -> Tensor:
-        """(n, 3, 3) of Tilt -> (n, 3, places) in the heading frame, posture after posture, in [m]."""
-        return tilt @ self.get_buffer("surface")
+    def points(self, frame: Tensor) -> Tensor:
+        """(n, 3, 3) of Tilt, in whatever units its rows are -> (n, 3, places) along these, posture after posture."""
+        return frame @ self.get_buffer("surface")
 
     def blend(self, clearance: Tensor, posture: Tensor) -> Tensor:
         """(n, 1, places) of the points, (n, 10, 1600) of Posture -> (n, 1, 1600) the least of each cell's posture."""
         least = clearance.reshape(-1, NODES, self._count).amin(dim=2).unsqueeze(1)
-        tangent = _tangent(self.get_buffer("turns") @ posture)
-        at = ((tangent - self.get_buffer("first")) * self.get_buffer("nodes_per_unit")).to(clearance.dtype)
+        cosine, sine = posture[:, :1], posture[:, 1:2]
+        at = ((_tangent(cosine, sine) - self.get_buffer("first")) * self.get_buffer("nodes_per_unit")).to(
+            clearance.dtype
+        )
         at = at.clamp(0.0, self._last)
         node = at.floor()
         index = node.long()
@@ -62,22 +62,12 @@ class HipSweep(nn.Module):
         return near + (at - node) * change
 
 
-def _turns(skeleton: LegSkeleton) -> NDArray[np.float64]:
-    """(4, 10) times Posture's planes: sine of the abduction and of the thigh's pitch, then their cosines."""
-    pairs = np.eye(Posture.CHANNELS).reshape(5, 2, Posture.CHANNELS)
-    abduction, _, along, across, _ = pairs
-    inverse = skeleton.length / complex(*skeleton.thigh)
-    pitch = (inverse.real * np.eye(2) + inverse.imag * TIMES_I) @ (along + TIMES_I @ across)
-    return np.stack([abduction[1], pitch[1], abduction[0], pitch[0]])
+def _tangent(cosine: Tensor, sine: Tensor) -> Tensor:
+    """Of half the angle: it grows with the angle all around."""
+    return sine / (1 + cosine).clamp(min=0.1)
 
 
-def _tangent(turned: Tensor) -> Tensor:
-    """(n, 2 k, 1600) k sines and as many cosines -> (n, k, 1600) tangents of half the angles: these grow all around."""
-    sines, cosines = turned.chunk(2, dim=1)
-    return sines / (1 + cosines).clamp(min=0.1)
-
-
-def _usual(layout: LegLayout, skeleton: LegSkeleton, turns: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def _usual(layout: LegLayout, skeleton: LegSkeleton) -> tuple[NDArray[np.float64], float]:
     """(2,) from where to where the abduction goes, and the pitch in the middle, among postures that reach flat ground.
 
     As tangents of half the angles.
@@ -85,9 +75,12 @@ def _usual(layout: LegLayout, skeleton: LegSkeleton, turns: NDArray[np.float64])
     depth = torch.from_numpy(DEPTHS)[:, None, None].expand(-1, 1, CELLS**2)
     level = torch.eye(3, dtype=torch.float64).expand(len(DEPTHS), -1, -1)
     posture = Posture(layout, skeleton)(depth, level)
-    reached = posture[:, -1] > 0
-    abduction, pitch = (some[reached].numpy() for some in _tangent(torch.from_numpy(turns) @ posture).unbind(dim=1))
-    return np.quantile(abduction, [BEYOND, 1 - BEYOND]), float(np.median(pitch))
+    planes = posture.movedim(1, 0)[:, posture[:, -1] > 0]
+    abduction = _tangent(planes[0], planes[1])
+    knee = torch.complex(planes[4], planes[5]) + 1j * torch.complex(planes[6], planes[7])
+    thigh = knee * (skeleton.length / complex(*skeleton.thigh))
+    pitch = _tangent(thigh.real, thigh.imag)
+    return np.quantile(abduction.numpy(), [BEYOND, 1 - BEYOND]), float(np.median(pitch.numpy()))
 
 
 def _points(skeleton: LegSkeleton, abduction: float, pitch: float) -> NDArray[np.float64]:

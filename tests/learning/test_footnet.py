@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from footsel.footholds.encoding import InputEncoding
+from footsel.footholds.encoding import PLANES, InputEncoding
 from footsel.footholds.pose import tilt_rotation
 from footsel.learning.build import build_network
 from footsel.learning.erfnet import ERFNet
@@ -17,7 +17,6 @@ from footsel.learning.recipe import FEATURES, Recipe
 from footsel.learning.tilt import Tilt
 from footsel.terrain.local_map import cell_offsets
 
-PLANES = ("height", "unknown", "roll", "pitch")
 SHAPE = {"cells": (12, 8), "widths": (16, 24), "blocks": (1, 1, 2)}
 
 
@@ -62,6 +61,20 @@ def test_a_feature_that_is_left_out_is_gone(network, feature):
     # The hip is one of the channels of the clearance.
     channels = 1 if feature == "hip" else whole.geometry(torch.rand(1, len(PLANES), 40, 40))[feature].shape[1]
     assert whole.first.in_channels - without.first.in_channels == channels > 0
+
+
+def test_the_hip_sees_the_ground_above_it_and_nothing_else_does(network):
+    """A wall beside the drive of the hip, which the depth image shows as high as the hip, however high it is."""
+    net, encode = network(), InputEncoding(PLANES, False, 0.85).encode
+    seen = []
+    for top in (0.0, 0.06):
+        heights = np.full((1, 40, 40), -0.45, dtype=np.float32)
+        heights[:, :, 19:21] = top
+        seen.append(net.geometry(torch.from_numpy(encode(heights))))
+    low, high = (each.pop("clearance") for each in seen)
+    assert (high[:, -1] < low[:, -1] - 0.1).any()
+    assert torch.equal(high[:, :-1], low[:, :-1])
+    assert all(torch.equal(value, seen[1][name]) for name, value in seen[0].items())
 
 
 def test_millimetres_are_seen_under_autocast(network):
@@ -124,7 +137,7 @@ def test_a_recipe_sets_widths_and_blocks(layout, skeleton):
     assert net.first.out_channels == 16 and net.head.in_channels == 8 and len(net.cells) == 3
     assert [len(stage) for stage in net.stages] == [0, 1, 3]
 
-    maps = torch.rand(1, len(PLANES), 40, 40)
+    maps = torch.rand(1, len(recipe.planes), 40, 40)
     alone = build_network(replace(recipe, widths=(), blocks=(0,)), layout, skeleton).eval()
     changed = maps.clone()
     changed[:, 0, 0, 0] += 0.1

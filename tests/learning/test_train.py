@@ -232,6 +232,21 @@ def test_the_threshold_is_chosen_on_bases_that_are_not_tilted_far(data, tmp_path
     np.testing.assert_array_equal(asked, [pose[[0, 2, 3, 5]]])
 
 
+def test_a_network_that_sees_the_hip_gets_no_ball_there(data, robot, obstacles, tmp_path):
+    """Neither from the start nor in weights that had one."""
+    data = replace(data, training=obstacles, layout=robot.layout)
+    recipe = replace(QUICK["footsel"], epochs=1, balls=5)
+    before = fit(data, tmp_path / "before" / "front", recipe)
+    hip = replace(recipe, features=(*recipe.features, "hip"), balls=4)
+    new = fit(data, tmp_path / "new" / "front", hip)
+    later = fit(data, tmp_path / "later" / "front", hip, start=tmp_path / "before")
+    at_hip = [
+        sum(link == 0 and abs(w) < 0.01 for link, (_, _, w) in zip(found["link"], found["balls"], strict=True))
+        for found in (info["skeleton"] for info in (before, new, later))
+    ]
+    assert at_hip == [1, 0, 0]
+
+
 def test_balls_are_fitted_once_and_kept(data, tmp_path, monkeypatch):
     """The fit is not done again by a training that goes on, nor the recipe's without it; weights keep their balls."""
     fits, fitted = [], training.with_fitted_balls
