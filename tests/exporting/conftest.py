@@ -46,13 +46,9 @@ def uneven_network(seed: int, layout: LegLayout, recipe: str = "footsel") -> Foo
 
 
 def used_recipe(name: str) -> Recipe:
-    """With a second output, and all that a network may see, where there can be."""
+    """With a second output, where there can be one."""
     recipe = Recipe.load(name)
-    if recipe.architecture != "footnet":
-        return recipe
-    planes = dict.fromkeys((*recipe.planes, "above"))
-    features = dict.fromkeys((*recipe.features, "hip"))
-    return replace(recipe, reason_weight=0.3, planes=tuple(planes), features=tuple(features))
+    return replace(recipe, reason_weight=0.3) if recipe.architecture == "footnet" else recipe
 
 
 def write_run(
