@@ -119,11 +119,11 @@ public:
     }
 
     struct Tensors {
-        explicit Tensors(std::size_t maps)
-            : input(maps * 4 * MAP_CELLS), infeasible(maps * MAP_CELLS), cost(maps * MAP_CELLS) {
+        Tensors(std::size_t maps, std::size_t planes)
+            : input(maps * planes * MAP_CELLS), infeasible(maps * MAP_CELLS), cost(maps * MAP_CELLS) {
             const auto memory = Ort::MemoryInfo::CreateCpu(OrtArenaAllocator, OrtMemTypeDefault);
             const auto n = static_cast<std::int64_t>(maps);
-            const std::int64_t in[]{n, 4, 40, 40}, out[]{n, 40, 40};
+            const std::int64_t in[]{n, static_cast<std::int64_t>(planes), 40, 40}, out[]{n, 40, 40};
             values[0] = Ort::Value::CreateTensor<float>(memory, input.data(), input.size(), in, 4);
             values[1] = Ort::Value::CreateTensor<float>(memory, infeasible.data(), infeasible.size(), out, 3);
             values[2] = Ort::Value::CreateTensor<float>(memory, cost.data(), cost.size(), out, 3);
@@ -131,6 +131,11 @@ public:
         std::vector<float> input, infeasible, cost;
         std::array<Ort::Value, 3> values{Ort::Value{nullptr}, Ort::Value{nullptr}, Ort::Value{nullptr}};
     };
+
+    Tensors tensors(std::size_t maps) const {
+        const auto shape = session_.GetInputTypeInfo(0).GetTensorTypeAndShapeInfo().GetShape();
+        return Tensors(maps, static_cast<std::size_t>(shape[1]));
+    }
 
     void run(Tensors& tensors) {
         const char* inputs[]{"maps"};
@@ -156,7 +161,7 @@ int main(int, char** argv) {
 
     // What onnxruntime asks for depends on what it ran before, so both meet the same batches in the same order.
     Bare front(model + "/front.onnx"), hind(model + "/hind.onnx");
-    Bare::Tensors one(1), two(2), four(4), eight(8);
+    auto one = front.tensors(1), two = front.tensors(2), four = front.tensors(4), eight = front.tensors(8);
     std::vector<float> local(13 * MAP_CELLS, -0.48F), cost(local.size()), confidence(local.size());
     const std::vector<Tilt> tilts(13);
     const CellEvaluation result{cost.data(), nullptr, confidence.data(), nullptr};
