@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from footsel.exporting import card_figures
+from footsel.exporting.card_commands import commands
 from footsel.exporting.card_figures import table
 from footsel.learning.threshold import MOST_INFEASIBLE_PICKS, MOST_MISSED
 from footsel.legs import PAIRS, TRAINED_LEG
@@ -34,7 +35,7 @@ def model_card(
             *_section("Validation", _validation(infos)),
             *_section("The files against the trained network", _parity(parity)),
             *_section("Limits", _limits(infos)),
-            *_section("Remake it", _commands(infos, int8=any("int8" in reports for reports in parity.values()))),
+            *_section("Remake it", commands(infos, int8=any("int8" in reports for reports in parity.values()))),
         ]
     )
 
@@ -174,21 +175,3 @@ def _limits(infos: Mapping[str, Mapping[str, Any]]) -> list[str]:
     if "roll" not in planes:
         lines.append("- The network does not see the base's tilt.")
     return lines
-
-
-def _commands(infos: Mapping[str, Mapping[str, Any]], int8: bool) -> list[str]:
-    front = infos["front"]
-    recipe, dataset = front["recipe"], front["dataset"]
-    families = "".join(f" --{key} {' '.join(dataset[key])}" for key in ("families", "exclude") if dataset.get(key))
-    # The release before this one, which the repository's history holds.
-    start = f" --learning-rate {recipe['learning_rate']} --from RELEASE" if front.get("started_from") else ""
-    return [
-        "```sh",
-        "pip install 'footsel[train]'",
-        f"footsel dataset DATA --robot {dataset['robot']} --legs {' '.join(dataset['pairs'])} --maps {dataset['maps']} "
-        f"--recipe {dataset['recipe']} --seed {dataset['seed']}{families}",
-        f"footsel train DATA RUN --recipe {recipe['name']} --legs front hind --epochs {recipe['epochs']} "
-        f"--seed {front['seed']}{start}",
-        f"footsel export RUN OUT{' --int8' if int8 else ''}",
-        "```",
-    ]
