@@ -24,8 +24,9 @@ Array = NDArray[np.float64]
 STABILITY_MARGIN = 0.055
 #: Within the leg's plane: 0.564 m is the stretched leg; a folded leg runs into its own base. [m]
 LONGEST_LEG, SHORTEST_LEG = 0.535, 0.26
-#: A swinging leg may be shorter, but the nearer its foot comes to the hip, the faster its joints have to turn, and the
-#: harder the base is pushed: at 0.1 m the robot falls. [m]
+#: A swinging leg may be shorter. But the nearer its foot comes to the hip, or to the axis of abduction, which is ahead
+#: of the hip where the head is low, the faster its joints turn and the harder they push the base: at 0.1 m the robot
+#: falls. [m]
 FOLDED_LEG = 0.13
 #: The base tilts no further. [rad]
 STEEPEST = 0.4

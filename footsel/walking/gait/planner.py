@@ -34,7 +34,7 @@ MORE_VARIANTS = (
 #: How far along the line a foot has to get for its swing to be worth it: at its turn, and if no leg gets that far. [m]
 ENOUGH_GAIN, LEAST_GAIN = 0.08, 0.015
 #: A step is taken at once if no limb lacks more of its distance to the ground on the way, and never if one lacks more
-#: than that and what balls are larger than limbs. [m]
+#: than that and what balls are larger than limbs, nor if the swinging leg is folded by more than the first. [m]
 SMALL_LACK, LARGEST_LACK = 0.02, 0.05
 #: The pose at touchdown depends on the foothold, and the foothold on the pose: how often the selector is asked again at
 #: the pose for its own choice, and from which difference on. [m], [rad]
@@ -224,7 +224,9 @@ def _problem(lift: Lift) -> str:
     if problem := flaw(lift.answer):
         return problem
     if lift.clearance < -LARGEST_LACK:
-        return "a thigh or a shank would touch the ground on the way, or the leg be folded"
+        return "a thigh or a shank would touch the ground on the way"
+    if lift.unfolded < -SMALL_LACK:
+        return "the leg would be folded on the way"
     return "" if lift.balance >= LEAST_BALANCE else "the base would have to move so fast that the robot tips over"
 
 

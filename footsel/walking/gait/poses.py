@@ -69,12 +69,14 @@ class Situation:
 class Lift:
     """answer: the pose of the base when a leg lifts. pace: in which share of the swing the base goes on from there to
     its pose at touchdown. clearance: of the limb nearest to the ground until the leg lands, as in Clearance, or of
-    the swinging leg from being folded, in [m]. balance: how far inside the support the zero-moment point stays, in [m].
+    the swinging leg from being folded, in [m]. unfolded: the latter alone. balance: how far inside the support the
+    zero-moment point stays, in [m].
     """
 
     answer: PoseAnswer
     pace: float
     clearance: float
+    unfolded: float
     balance: float
 
     def motion_to(self, touchdown: BasePose, swing: Swing) -> Quintic:
@@ -141,7 +143,7 @@ class StepPoses:
     ) -> tuple[Lift, Array]:
         """How a pose at lift serves, and where the swinging foot (3,) is when a limb comes nearest to the ground."""
         map_ = now.obstacles
-        lift = Lift(answer, pace, np.inf, np.inf)
+        lift = Lift(answer, pace, np.inf, np.inf, np.inf)
         shift = [self._limbs.worst(map_, _between(now.base, answer.pose, share), now.feet) for share in (0.5, 1.0)]
         motion = lift.motion_to(touchdown, swing)
         times = np.linspace(swing.start, swing.end, SWING_SAMPLES).tolist()
@@ -150,9 +152,12 @@ class StepPoses:
         poses = [BasePose(*state[0].tolist()) for state in states]
         ways = list(zip(poses, feet, strict=True))
         limbs = np.array([self._limbs.worst(map_, pose, _landed(now.feet, leg, foot)) for pose, foot in ways])
-        clear = np.minimum(limbs, [float(self._length(pose, leg, foot)) - FOLDED_LEG for pose, foot in ways])
+        unfolded = np.array([self._depth(pose, leg, foot) - FOLDED_LEG for pose, foot in ways])
+        clear = np.minimum(limbs, unfolded)
         balance = _balance(now, leg, poses, np.array([state[2][:2] for state in states]))
-        return replace(lift, clearance=min(*shift, float(clear.min())), balance=balance), feet[int(np.argmin(clear))]
+        worst = min(*shift, float(clear.min()))
+        lift = replace(lift, clearance=worst, unfolded=float(unfolded.min()), balance=balance)
+        return lift, feet[int(np.argmin(clear))]
 
     def head_down(self, now: Situation, pitch: float, way: float) -> PoseAnswer:
         """On all four feet, with the head as low as it gets up to a pitch, in [rad], and so far ahead, in [m]."""
@@ -180,6 +185,10 @@ class StepPoses:
     def _length(self, pose: BasePose, leg: str, targets: Array) -> Array:
         hip = pose.position + pose.rotation() @ self._legs.hips[LEGS.index(leg)]
         return self._legs.between(hip, targets)
+
+    def _depth(self, pose: BasePose, leg: str, foot: Array) -> float:
+        rotation = pose.rotation()
+        return self._legs.depth(rotation, pose.position + rotation @ self._legs.hips[LEGS.index(leg)], foot)
 
     def _solve(
         self,
