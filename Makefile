@@ -36,7 +36,7 @@ $(VENV)/dev.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@ $(VENV)/demo.stamp
 
 demo: $(VENV)/demo.stamp
-	$(BIN)/footsel compare --selectors oracle cnn nominal terrain_only --poses 20 --jobs 2 --out demo
+	$(BIN)/footsel compare --selectors oracle cnn nominal terrain_only --poses 100 --jobs 2 --out demo
 	@echo "report: $(CURDIR)/demo/report.html"
 
 test: $(VENV)/dev.stamp
