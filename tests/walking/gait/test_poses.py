@@ -1,5 +1,7 @@
 """Poses of a step: balanced, in reach, and with every limb clear of the ground where it can be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,10 +9,11 @@ from footsel.footholds import BasePose
 from footsel.legs import LEGS
 from footsel.robot import load_robot
 from footsel.terrain import ElevationMap
-from footsel.walking.control.base_pose import FOLDED_LEG, LONGEST_LEG
+from footsel.walking.control.base_pose import FOLDED_LEG, LONGEST_LEG, PoseAnswer
 from footsel.walking.control.leg_length import LegLength
 from footsel.walking.control.limb_clearance import LimbClearance
-from footsel.walking.gait.poses import LEAST_BALANCE, LEAST_MARGIN, STANCE_ADVANCE, Situation, StepPoses, flaw
+from footsel.walking.gait import planner
+from footsel.walking.gait.poses import LEAST_BALANCE, LEAST_MARGIN, STANCE_ADVANCE, Lift, Situation, StepPoses, flaw
 from footsel.walking.gait.stance import HEIGHT, places
 from footsel.walking.gait.swing import plan_swing
 
@@ -137,3 +140,13 @@ def test_a_base_that_has_to_hurry_out_of_its_support_is_out_of_balance():
     x, y, z, *turn = near.pose.as_list()
     far = BasePose(x + 0.4, y, z, *turn)
     assert poses.at_lift(now, "LH", far, swing).balance < LEAST_BALANCE
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"), [({}, ""), ({"unfolded": -0.03}, "folded"), ({"clearance": -0.06}, "touch")]
+)
+def test_a_step_whose_leg_folds_on_its_way_is_refused(changed, words):
+    """By little already, unlike limbs near the ground: those touch it, this throws the base."""
+    fine = Lift(PoseAnswer(BASE, 0.05, 0.0), 1.0, clearance=-0.03, unfolded=0.0, balance=0.02)
+    problem = planner._problem(replace(fine, **changed))
+    assert words in problem and bool(problem) == bool(words)
