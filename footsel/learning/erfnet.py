@@ -4,11 +4,15 @@ Encoder 40x40 -> 5x5x128, decoder back to 40x40, no skip connections. Batch norm
 dropout, which the paper does not name, are those of ERFNet's authors.
 """
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from footsel.learning.constants import keep_constant
 from footsel.learning.network import FootholdNetwork
+from footsel.learning.precision import own_precision
+from footsel.terrain import CELLS
 
 BATCH_NORM_EPS = 1e-3
 #: Dropout of ERFNet's residual layers, after the second and after the third downsampling.
@@ -29,6 +33,57 @@ class Downsampler(nn.Module):
         """(n, inputs, h, w) -> (n, outputs, h / 2, w / 2)."""
         joined = torch.cat([self.convolution(maps), self.pooling(maps)], dim=1)
         return functional.relu(self.norm(joined))
+
+
+class FirstDownsampler(Downsampler):
+    """Of local maps of 40x40 cells, once trained in float64.
+
+    It learns steps between neighbouring cells, so large heights cancel, and the normalisation makes much of what is
+    left: what float32 rounds off here is worth more of a logit than what it does in all other layers together.
+    """
+
+    def __init__(self, inputs: int, outputs: int) -> None:
+        super().__init__(inputs, outputs)
+        self.convolution = FirstConvolution(inputs, outputs - inputs)
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """As Downsampler."""
+        if self.training:
+            return super().forward(maps)
+        with own_precision():
+            exact = maps.double()
+            joined = torch.cat([self.convolution(exact), self.pooling(exact)], dim=1)
+            norm = self.norm
+            values = norm.running_mean, norm.running_var, norm.weight, norm.bias
+            mean, variance, weight, bias = (value.double() for value in values)  # type: ignore[union-attr]
+            normed = functional.batch_norm(joined, mean, variance, weight, bias, eps=norm.eps)
+            return functional.relu(normed).to(maps.dtype)
+
+
+class FirstConvolution(nn.Conv2d):
+    """3x3 with stride 2 over local maps, once trained in float64.
+
+    Then as a matrix product, for engines know no other convolution in float64.
+    """
+
+    def __init__(self, inputs: int, outputs: int) -> None:
+        super().__init__(inputs, outputs, 3, stride=2, padding=1)
+        # The cell that each tap sees for each output; one more than there are is the padding.
+        cells = functional.pad(torch.arange(CELLS**2).reshape(CELLS, CELLS), (1, 1, 1, 1), value=CELLS**2)
+        windows = cells.unfold(0, 3, 2).unfold(1, 3, 2)
+        keep_constant(self, "taps", windows.permute(2, 3, 0, 1).flatten(), np.int64)
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """As nn.Conv2d."""
+        if self.training:
+            return super().forward(maps)
+        assert self.bias is not None
+        with own_precision():
+            side, weight = CELLS // 2, self.weight.double().flatten(1)
+            cells = functional.pad(maps.flatten(2).double(), (0, 1))
+            taps = cells[:, :, self.get_buffer("taps")].reshape(-1, weight.shape[1], side**2)
+            sums = (weight @ taps + self.bias.double().unsqueeze(1)).to(maps.dtype)
+            return sums.reshape(-1, self.out_channels, side, side)
 
 
 class NonBottleneck1d(nn.Module):
@@ -87,7 +142,7 @@ class ERFNet(FootholdNetwork):
     def __init__(self, in_channels: int = 1) -> None:
         super().__init__(in_channels)
         self.encoder = nn.Sequential(
-            Downsampler(in_channels, 16),
+            FirstDownsampler(in_channels, 16),
             Downsampler(16, 64),
             *(NonBottleneck1d(64, EARLY_DROPOUT) for _ in range(5)),
             Downsampler(64, 128),

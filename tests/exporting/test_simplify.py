@@ -2,12 +2,15 @@
 
 import copy
 
+import numpy as np
 import pytest
 import torch
 from torch import nn
 
+from footsel.exporting.onnx_file import to_onnx
+from footsel.exporting.parity import graph_logits
 from footsel.exporting.simplify import FoldedDownsampler, simplified, trim_padding_taps
-from footsel.learning.erfnet import Downsampler
+from footsel.learning.erfnet import Downsampler, FirstDownsampler
 
 
 def parameters(network):
@@ -92,3 +95,21 @@ def test_a_folded_downsampler_is_the_downsampler(makers, anymal_layout):
     assert not any(isinstance(m, nn.BatchNorm2d) for m in folded.modules())
     # Among the pooled channels is a negative scale, where scaling before the pooling would be wrong.
     assert folded.affine.weight.min() < 0
+
+
+def test_the_first_layer_stays_exact():
+    """What is folded into it is not rounded to float32 again: small steps on high ground are told as in float64."""
+    torch.manual_seed(0)
+    first = FirstDownsampler(1, 7).eval()
+    maps = 0.7 + 0.003 * torch.rand(20, 1, 40, 40)
+    with torch.no_grad():
+        first.convolution.weight -= first.convolution.weight.mean(dim=(2, 3), keepdim=True)
+        first.norm.running_var[:-1], first.norm.eps = 1e-6, 1e-9
+        first.norm.running_mean[:-1] = first.convolution(maps)[:, :, 1:, 1:].mean(dim=(0, 2, 3))
+        expected = copy.deepcopy(first).double()(maps.double())
+        folded = simplified(nn.Sequential(first), 1)
+        exported = torch.from_numpy(graph_logits(to_onnx(folded, 1))(maps.numpy()))
+    # The convolved channels, but not at the map's border, where steps are as high as the ground.
+    steps = np.s_[:, :-1, 1:, 1:]
+    for found in (folded(maps), exported):
+        assert (found - expected)[steps].abs().max() < 2e-7 * expected[steps].max()

@@ -1,10 +1,13 @@
 """The network is the paper's: size, shape, order of its layers, receptive field."""
 
+import copy
+
+import numpy as np
 import pytest
 import torch
 from torch import nn
 
-from footsel.learning.erfnet import Downsampler, ERFNet, NonBottleneck1d, Upsampler
+from footsel.learning.erfnet import Downsampler, ERFNet, FirstDownsampler, NonBottleneck1d, Upsampler
 
 
 def test_the_papers_network_has_the_published_number_of_parameters():
@@ -21,7 +24,7 @@ def test_every_cell_gets_fourteen_logits(in_channels):
 def test_layers_stand_in_the_papers_order():
     net = ERFNet()
     assert [type(layer) for layer in net.encoder] == [
-        Downsampler,
+        FirstDownsampler,
         Downsampler,
         *[NonBottleneck1d] * 5,
         Downsampler,
@@ -46,3 +49,30 @@ def test_a_residual_layer_is_3x1_1x3_twice_with_the_second_pair_dilated():
     assert [m.dilation for m in convolutions] == [(1, 1), (1, 1), (4, 1), (1, 4)]
     names = [type(m).__name__.replace("Conv2d", "conv").replace("BatchNorm2d", "norm") for m in layer.branch]
     assert names == ["conv", "ReLU", "conv", "norm", "ReLU", "conv", "ReLU", "conv", "norm", "Dropout2d"]
+
+
+def steps_finder(kind, in_channels):
+    """A downsampler that has learnt steps of millimetres between neighbouring cells of ground at any height."""
+    torch.manual_seed(0)
+    layer = kind(in_channels, in_channels + 6).eval()
+    with torch.no_grad():
+        layer.convolution.weight -= layer.convolution.weight.mean(dim=(2, 3), keepdim=True)
+        layer.convolution.bias.zero_()
+        layer.norm.running_var.fill_(1e-7)
+        layer.norm.eps = 1e-9
+    return layer
+
+
+@pytest.mark.parametrize("in_channels", [1, 3])
+def test_the_first_layer_is_exact_in_use(in_channels):
+    maps = 0.7 + 0.003 * torch.rand(20, in_channels, 40, 40)
+    usual, first = steps_finder(Downsampler, in_channels), steps_finder(FirstDownsampler, in_channels)
+    first.load_state_dict(usual.state_dict())
+    with torch.no_grad():
+        expected = copy.deepcopy(usual).double()(maps.double())
+        # Of the convolved channels, but at the map's border, where steps are high.
+        steps = np.s_[:, :6, 1:, 1:]
+        errors = [(layer(maps) - expected)[steps].abs().max() / expected[steps].max() for layer in (usual, first)]
+        # Not told from the usual one while it is trained.
+        torch.testing.assert_close(first.train()(maps), usual.train()(maps))
+    assert errors[1] < 2e-7 < errors[0] / 10
