@@ -25,6 +25,7 @@ TERRAIN_COST = ROOT / "footsel" / "oracle" / "terrain_cost.json"
 COMMANDS = {
     "ablations.json": "python docs/ablations.py",
     "bench.json": "make bench-full",
+    "bench_avx2.json": "footsel bench",
     "clearance.json": "python docs/measure_clearance.py",
     "courses.json": "footsel compare",
     "dataset.json": "python docs/measure_dataset.py",
@@ -501,6 +502,23 @@ def latency() -> str:
     )
 
 
+def latency_without_avx512() -> str:
+    """Medians on a core with and on one without AVX-512, beside the speed of a matrix product on each."""
+    machines = [read(RESULTS / "bench.json"), read(RESULTS / "bench_avx2.json")]
+    rows = []
+    names = {"select_one_leg_ms": "one leg", "select_four_legs_ms": "four legs"}
+    for key, legs in names.items():
+        rows.append(["default", legs, *(number(each["models"][each["default"]][key]["p50"], 2) for each in machines)])
+    for name in machines[0]["other_models"]:
+        for key, legs in names.items():
+            found = [each["other_models"][name][key]["p50"] for each in machines]
+            rows.append([f"`{name}`, stock ERFNet", legs, *(number(time, 2) for time in found)])
+    rows.append(["the exact oracle", "one map", *(number(each["oracle_ms_per_map"]["p50"], 2) for each in machines)])
+    rows = [[f"{name}, {what}", *times] for name, what, *times in rows]
+    head = [f"{each['matmul_gflops']:.0f} GFLOP/s" for each in machines]
+    return table(["median in ms on a core that multiplies matrices at", *head], rows)
+
+
 #: Bins of the histogram that one row of the page takes together.
 BINS_PER_ROW = 5
 
@@ -803,6 +821,7 @@ PAGES: dict[str, dict[str, Callable[[], str]]] = {
     },
     "docs/runtime.md": {
         "latency": latency,
+        "latency without avx512": latency_without_avx512,
         "histogram": histogram,
         "throughput": throughput,
         "eight bits": eight_bits,
