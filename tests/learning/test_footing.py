@@ -104,7 +104,9 @@ def test_unknown_cells_and_the_border_are_as_deep_as_a_drop_can_be_and_not_in_th
     heights = np.full((1, 40, 40), -0.5, dtype=np.float32)
     heights[0, 10, 10] = np.nan
     unknown = np.isnan(np.stack([neighbour(heights, i, j) for i, j in NEIGHBOURS], axis=1))
-    found = Neighbours(RANGE, WEIGHTS)(*inputs(heights)).numpy()
+    # On the grid, where sums are exact: off it level ground is level but for rounding, of which cores differ.
+    depth, known = inputs(heights)
+    found = Neighbours(RANGE, WEIGHTS)(on_grid(depth), known).numpy()
     here = ~np.isnan(heights[0])
     np.testing.assert_array_equal(found[:, :-1, here], unknown[:, :, here])
     share = np.tensordot(1 - unknown, WEIGHTS, axes=(1, 0)) / WEIGHTS.sum()
