@@ -30,7 +30,8 @@ class LookUp(nn.Module):
     def forward(self, heights: Tensor, at: Tensor) -> Tensor:
         """(n, maps, 40, 40) and (n, 2, places) rows and columns from ORIGIN -> (n, 1, places), in the input's unit.
 
-        Bilinear, and so continuous: rounding decides nothing, and engines that round differently agree.
+        Of two triangles between four cells, as the oracle's terrain; and so continuous: rounding decides nothing, and
+        engines that round differently agree.
         """
         at = at.clamp(FIRST, LAST)
         # The cell whose corner is the least of four; maps lie one after the other.
@@ -42,4 +43,4 @@ class LookUp(nn.Module):
         down, right = values[..., CELLS:] - values[..., :-CELLS], values[..., 1:] - values[..., :-1]
         twist = down[..., 1:] - down[..., :-1]
         value, down, right, twist = (torch.gather(part, 2, index) for part in (values, down, right, twist))
-        return value + along * down + across * (right + along * twist)
+        return value + along * down + across * right + torch.minimum(along, across) * twist

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from footsel.oracle.convex import AXES, BOX, CAPSULE, CENTRE, SIZES
 
 #: Points along the outline; spacing of those of the underside, in [m].
-OUTLINE, UNDERSIDE = 40, 0.02
+OUTLINE, UNDERSIDE = 60, 0.012
 #: Spacing of the surface that they are chosen from, in [m].
 FINE = 0.004
 

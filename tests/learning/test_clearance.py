@@ -65,8 +65,16 @@ def test_balls_are_in_the_bodies(robot, leg, roll, pitch):
     assert len(cells) > 20 and len(skeleton.radius) > 10
 
 
+def corners(a, b):
+    """Cells at the corners of the triangle below a place, by how much of its height is theirs."""
+    i, j = min(int(a), 38), min(int(b), 38)
+    less, more = sorted((a - i, b - j))
+    beside = (i + 1, j) if a - i > b - j else (i, j + 1)
+    return {(i, j): 1 - more, beside: more - less, (i + 1, j + 1): less}
+
+
 def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
-    """Against a loop: the surface a ball rests on is that of the cells in square rings around, bilinear between."""
+    """Against a loop: the surface a ball rests on is that of the cells in square rings around, triangles between."""
     heights = np.random.default_rng(1).uniform(-0.6, -0.45, (40, 40)).astype(np.float32)
     heights[5:9, 20:30] = np.nan
     skeleton = LegSkeleton.of(robot, "LF")
@@ -89,11 +97,7 @@ def test_a_ball_clears_the_terrain_by_its_height_over_it(robot):
 
     for ball, i, j in np.random.default_rng(2).integers(0, (len(skeleton.radius), 40, 40), (300, 3)):
         a, b = (float(np.clip(index[ball, i, j], 0, 39)) for index in (row, column))
-        below = sum(
-            max(1 - abs(a - c), 0) * max(1 - abs(b - d), 0) * touching(skeleton.radius[ball], c, d)
-            for c in {int(a), min(int(a) + 1, 39)}
-            for d in {int(b), min(int(b) + 1, 39)}
-        )
+        below = sum(share * touching(skeleton.radius[ball], c, d) for (c, d), share in corners(a, b).items())
         assert found[ball, i, j] == pytest.approx(np.clip(z[ball, i, j] - below, -0.1, 0.1), abs=1e-5)
 
 

@@ -44,10 +44,7 @@ def test_anymals_hip_is_its_drive(robot):
 @pytest.mark.parametrize("leg", ["LF", "LH"])
 @pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (0.2, -0.15)])
 def test_over_level_ground_it_is_the_height_of_the_lowest_point(robot, leg, roll, pitch):
-    """Ground so high that the hip nearly touches, and feet in pits, one after another.
-
-    To a centimetre: the thigh's pitch turns the drive's axis, which is 8 degrees askew, and the layer leaves that out.
-    """
+    """Ground so high that the hip nearly touches, and feet in pits, one after another: to four millimetres."""
     oracle = Oracle(robot)
     level = -0.09
     bodies = SwingBodies.of(robot, leg, [b for b in robot.bodies[leg].trimmed if b.name == f"{leg}_THIGH_2"])
@@ -67,7 +64,7 @@ def test_over_level_ground_it_is_the_height_of_the_lowest_point(robot, leg, roll
         shape[CENTRE : CENTRE + 3], shape[CENTRE + 3 :] = 0, np.eye(3).ravel()
         lowest = (tilt @ placement.getTranslation())[2] + down[2] @ support(shape, *(-down[2]))
         expected = np.clip(lowest - level, -0.1, 0.1)
-        assert clearance(robot, leg, heights[None], roll, pitch)[0, i, j] == pytest.approx(expected, abs=0.01)
+        assert clearance(robot, leg, heights[None], roll, pitch)[0, i, j] == pytest.approx(expected, abs=0.004)
         compared += 1
     assert compared >= 3
 
@@ -90,8 +87,8 @@ def test_it_tells_what_the_oracle_finds(robot, obstacles):
             touching += (clear[cells][touches] < 0.01).tolist()
             free += (clear[cells][~touches] < 0.01).tolist()
     assert len(touching) > 300
-    assert np.mean(touching) > 0.95
-    assert np.mean(free) < 0.05
+    assert np.mean(touching) > 0.99
+    assert np.mean(free) < 0.02
 
 
 def test_how_high_a_wall_is_counts_above_the_hip(robot):
