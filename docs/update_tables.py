@@ -505,16 +505,15 @@ def latency() -> str:
 def latency_without_avx512() -> str:
     """Medians on a core with and on one without AVX-512, beside the speed of a matrix product on each."""
     machines = [read(RESULTS / "bench.json"), read(RESULTS / "bench_avx2.json")]
-    rows = []
-    names = {"select_one_leg_ms": "one leg", "select_four_legs_ms": "four legs"}
-    for key, legs in names.items():
-        rows.append(["default", legs, *(number(each["models"][each["default"]][key]["p50"], 2) for each in machines)])
+    times = {"default": [each["models"][each["default"]] for each in machines]}
     for name in machines[0]["other_models"]:
-        for key, legs in names.items():
-            found = [each["other_models"][name][key]["p50"] for each in machines]
-            rows.append([f"`{name}`, stock ERFNet", legs, *(number(time, 2) for time in found)])
-    rows.append(["the exact oracle", "one map", *(number(each["oracle_ms_per_map"]["p50"], 2) for each in machines)])
-    rows = [[f"{name}, {what}", *times] for name, what, *times in rows]
+        times[f"`{name}`, stock ERFNet"] = [each["other_models"][name] for each in machines]
+    rows = [
+        [f"{name}, {legs}", *(number(each[key]["p50"], 2) for each in found)]
+        for name, found in times.items()
+        for legs, key in (("one leg", "select_one_leg_ms"), ("four legs", "select_four_legs_ms"))
+    ]
+    rows.append(["the exact oracle, one map", *(number(each["oracle_ms_per_map"]["p50"], 2) for each in machines)])
     head = [f"{each['matmul_gflops']:.0f} GFLOP/s" for each in machines]
     return table(["median in ms on a core that multiplies matrices at", *head], rows)
 
